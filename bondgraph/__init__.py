@@ -1,0 +1,64 @@
+"""Bond graphs: from elements and bonds to equations, simulation and stability.
+
+Public names are loaded when first used, so that ``import bondgraph`` is cheap.
+"""
+
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from .causality import CausalGraph, assign_causality
+    from .elements import GY, TF, C, Friction, I, One, R, Se, Sf, Zero
+    from .equations import Equations, derive
+    from .errors import BondGraphError
+    from .graph import TIME, BondGraph, Output, assemble
+    from .linear import LinearSystem, SteadyState, linearize, steady_state
+    from .modes import in_mode
+    from .parameters import Parameter
+    from .simulation import Outcome, Trajectory, simulate
+
+_HOME = {
+    "BondGraph": "graph",
+    "BondGraphError": "errors",
+    "C": "elements",
+    "CausalGraph": "causality",
+    "Equations": "equations",
+    "Friction": "elements",
+    "GY": "elements",
+    "I": "elements",
+    "LinearSystem": "linear",
+    "One": "elements",
+    "Outcome": "simulation",
+    "Output": "graph",
+    "Parameter": "parameters",
+    "R": "elements",
+    "Se": "elements",
+    "Sf": "elements",
+    "SteadyState": "linear",
+    "TF": "elements",
+    "TIME": "graph",
+    "Trajectory": "simulation",
+    "Zero": "elements",
+    "assemble": "graph",
+    "assign_causality": "causality",
+    "derive": "equations",
+    "in_mode": "modes",
+    "linearize": "linear",
+    "simulate": "simulation",
+    "steady_state": "linear",
+}
+
+__all__ = sorted(_HOME)
+__version__ = "0.1.0"
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOME:
+        raise AttributeError(f"module 'bondgraph' has no attribute {name!r}")
+    return getattr(importlib.import_module(f".{_HOME[name]}", __name__), name)
+
+
+def __dir__() -> list[str]:
+    return sorted([*globals(), *_HOME])

@@ -1,0 +1,537 @@
+"""Equations: from strokes to ordered assignments.
+
+Every effort and flow of the graph becomes one variable with one assignment.
+Variables shared at a junction are one variable, so nothing is copied. The
+assignments are put in order by their dependencies; what depends on itself is
+a loop (algebraic loops, dependent storages, stuck contacts) and is solved
+inside its own block only: symbolically where linear, kept as algebraic
+variables where not. Cost grows with the graph, not with its square.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Mapping
+from dataclasses import dataclass, field
+
+import sympy
+
+from .blocks import AlgebraicLoop, order_and_solve
+from .causality import CausalGraph, assign_causality
+from .elements import GY, TF, C, Friction, I, One, R, Se, Sf, Storage, TwoPort, Zero
+from .errors import BondGraphError, LawError
+from .graph import TIME, BondGraph
+from .rates import Rates
+
+
+@dataclass(frozen=True)
+class Contact:
+    """A dry-friction contact as the equations see it.
+
+    Attributes
+    ----------
+    name : str
+        Qualified name of the element.
+    direction : Symbol
+        +1 or -1 while slipping; a free symbol of the equations.
+    slip, effort : Symbol
+        The contact's flow and effort.
+    breakaway : Expr
+        Largest effort while stuck, in the equations' variables.
+    stuck : bool
+        Whether these equations hold the contact stuck.
+    """
+
+    name: str
+    direction: sympy.Symbol
+    slip: sympy.Symbol
+    effort: sympy.Symbol
+    breakaway: sympy.Expr
+    stuck: bool
+
+
+@dataclass(frozen=True, eq=False)
+class Equations:
+    """State equations of a bond graph as ordered assignments.
+
+    Attributes
+    ----------
+    name : str
+    states : tuple of Symbol
+        Named like ``rear.mass.p``.
+    inputs : tuple of Symbol
+        Inputs, and rates of inputs where a dependent storage needs them.
+    parameters : tuple of Symbol
+        The parameters that the equations use.
+    algebraic : tuple of Symbol
+        Variables that remain implicit; as many as `residuals`.
+    residuals : tuple of Expr
+        Each is zero.
+    assignments : tuple of (Symbol, Expr)
+        Ordered: each uses states, inputs, parameters, algebraic variables,
+        time, directions of slip and earlier assignments only.
+    derivatives : tuple of Expr
+        Rate of each state.
+    outputs : mapping of str to Expr
+    initial : tuple of Expr
+        Default initial value of each state, in parameters.
+    contacts : tuple of Contact
+    powers : mapping of str to Expr
+        Power of each source (given) and dissipator (taken), by element.
+    energies : mapping of str to Expr or None
+        Stored energy of each storage in the equations' variables; None where
+        the law has no known potential.
+    dependent : mapping of str to Expr
+        State of each storage in derivative causality, in the equations' variables.
+    loops : tuple of AlgebraicLoop
+    causal : CausalGraph
+    warnings : tuple of str
+
+    Examples
+    --------
+    >>> from bondgraph import C, One, R, Se, assemble, derive
+    >>> loop = One("loop")
+    >>> rc = derive(assemble("rc", Se("E", 1) >> loop >> (R("r", 2), C("c", 3))))
+    >>> rc.explicit()
+    {c.q: 1/2 - c.q/6}
+    """
+
+    name: str
+    states: tuple[sympy.Symbol, ...]
+    inputs: tuple[sympy.Symbol, ...]
+    parameters: tuple[sympy.Symbol, ...]
+    algebraic: tuple[sympy.Symbol, ...]
+    residuals: tuple[sympy.Expr, ...]
+    assignments: tuple[tuple[sympy.Symbol, sympy.Expr], ...]
+    derivatives: tuple[sympy.Expr, ...]
+    outputs: Mapping[str, sympy.Expr]
+    initial: tuple[sympy.Expr, ...]
+    contacts: tuple[Contact, ...]
+    powers: Mapping[str, sympy.Expr]
+    energies: Mapping[str, sympy.Expr | None]
+    dependent: Mapping[str, sympy.Expr]
+    loops: tuple[AlgebraicLoop, ...]
+    causal: CausalGraph
+    input_rates: Mapping[sympy.Symbol, sympy.Symbol] = field(default_factory=dict)
+
+    @property
+    def graph(self) -> BondGraph:
+        """The graph these equations come from."""
+        return self.causal.graph
+
+    @property
+    def time(self) -> sympy.Symbol:
+        """The symbol of time."""
+        return TIME
+
+    @property
+    def directions(self) -> tuple[sympy.Symbol, ...]:
+        """Slip directions of the contacts, in order."""
+        return tuple(contact.direction for contact in self.contacts)
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """Everything a careful reader should know: parts, dependence, loops."""
+        return (*self.graph.warnings, *self.causal.warnings, *map(str, self.loops))
+
+    @property
+    def arguments(self) -> frozenset[sympy.Symbol]:
+        """All symbols that are given from outside."""
+        return frozenset(
+            (TIME, *self.states, *self.inputs, *self.parameters, *self.algebraic, *self.directions)
+        )
+
+    def substituted(self, expression: sympy.Expr) -> sympy.Expr:
+        """Expand an expression until only states, inputs, parameters and the like are left.
+
+        Parameters
+        ----------
+        expression : Expr
+            In the equations' variables.
+
+        Returns
+        -------
+        Expr
+            Not simplified. Meant for small models: size may grow fast.
+        """
+        return expression.xreplace(self._expanded(expression.free_symbols))
+
+    def explicit(self) -> dict[sympy.Symbol, sympy.Expr]:
+        """Return the expanded, simplified rate of each state.
+
+        For display and analysis of small models; simulation never needs it.
+
+        Returns
+        -------
+        dict of Symbol to Expr
+        """
+        return {
+            state: sympy.simplify(self.substituted(rate))
+            for state, rate in zip(self.states, self.derivatives, strict=True)
+        }
+
+    def _expanded(self, wanted: Iterable[sympy.Basic]) -> dict[sympy.Symbol, sympy.Expr]:
+        needed = set(wanted)
+        for symbol, expression in reversed(self.assignments):
+            if symbol in needed:
+                needed |= expression.free_symbols
+        known: dict[sympy.Symbol, sympy.Expr] = {}
+        for symbol, expression in self.assignments:
+            if symbol in needed:
+                known[symbol] = expression.xreplace(known)
+        return known
+
+
+def derive(graph: BondGraph | CausalGraph, stuck: Collection[str] = ()) -> Equations:
+    """Derive the state equations.
+
+    Parameters
+    ----------
+    graph : BondGraph or CausalGraph
+        Causality is assigned first where it is not yet.
+    stuck : collection of str
+        Qualified names of Friction elements held at zero slip; their effort is
+        solved from the rates, and the state vector stays whole.
+
+    Returns
+    -------
+    Equations
+
+    Raises
+    ------
+    BondGraphError
+        A named diagnosis: causal conflict, singular loop, unusable law.
+
+    Examples
+    --------
+    >>> from bondgraph import I, One, R, Se, assemble
+    >>> v = One("v")
+    >>> equations = derive(assemble("cart", Se("F", 6) >> v >> (I("m", 2), R("b", 4))))
+    >>> [str(rate) for rate in equations.explicit().values()]
+    ['6 - 2*m.p']
+    """
+    causal = graph if isinstance(graph, CausalGraph) else assign_causality(graph)
+    unknown = [name for name in stuck if not isinstance(causal.graph.elements.get(name), Friction)]
+    if unknown:
+        raise BondGraphError(f"{', '.join(unknown)}: no Friction of graph {causal.graph.name!r}", elements=unknown)
+    return _Derivation(causal, frozenset(stuck)).equations()
+
+
+class _Nets:
+    """Variables: one symbol for each effort and flow, shared at junctions."""
+
+    def __init__(self, graph: BondGraph) -> None:
+        self._parent: dict[tuple[str, int], tuple[str, int]] = {}
+        self.at: dict[str, list[int]] = {name: [] for name in graph.elements}
+        for index, bond in enumerate(graph.bonds):
+            self._parent[("e", index)] = ("e", index)
+            self._parent[("f", index)] = ("f", index)
+            self.at[bond.tail].append(index)
+            self.at[bond.head].append(index)
+        for name, element in graph.elements.items():
+            if isinstance(element, Zero | One):
+                which = "e" if isinstance(element, Zero) else "f"
+                for index in self.at[name][1:]:
+                    self._join((which, self.at[name][0]), (which, index))
+        self._symbols: dict[tuple[str, int], sympy.Symbol] = {}
+        self._name(graph)
+
+    def symbol(self, which: str, bond: int) -> sympy.Symbol:
+        """Return the variable that a bond's effort ('e') or flow ('f') is."""
+        return self._symbols[self._find((which, bond))]
+
+    def _find(self, key: tuple[str, int]) -> tuple[str, int]:
+        while self._parent[key] != key:
+            self._parent[key] = self._parent[self._parent[key]]
+            key = self._parent[key]
+        return key
+
+    def _join(self, first: tuple[str, int], second: tuple[str, int]) -> None:
+        self._parent[self._find(second)] = self._find(first)
+
+    def _name(self, graph: BondGraph) -> None:
+        """Name each variable after a junction that shares it, else a port, else its bond."""
+        for name, element in graph.elements.items():
+            if isinstance(element, Zero | One):
+                which = "e" if isinstance(element, Zero) else "f"
+                self._give((which, self.at[name][0]), f"{name}.{which}")
+        for kinds in (Storage, (R, Friction, Se, Sf)):
+            for name, _ in graph.of(kinds):  # type: ignore[arg-type]
+                self._give(("e", self.at[name][0]), f"{name}.e")
+                self._give(("f", self.at[name][0]), f"{name}.f")
+        for index, bond in enumerate(graph.bonds):
+            self._give(("e", index), f"{bond.name}.e")
+            self._give(("f", index), f"{bond.name}.f")
+
+    def _give(self, key: tuple[str, int], name: str) -> None:
+        self._symbols.setdefault(self._find(key), sympy.Symbol(name, real=True))
+
+
+class _Derivation:
+    """Builds the tables of variables, then orders and solves them."""
+
+    def __init__(self, causal: CausalGraph, stuck: frozenset[str]) -> None:
+        self.causal = causal
+        self.graph = causal.graph
+        self.stuck = stuck
+        self.nets = _Nets(self.graph)
+        self.explicit: dict[sympy.Symbol, sympy.Expr] = {}
+        self.implicit: dict[sympy.Symbol, sympy.Expr] = {}
+        self.states: dict[sympy.Symbol, sympy.Symbol] = {}
+        self.initial: list[sympy.Expr] = []
+        self.contacts: list[Contact] = []
+        self.dependent: dict[str, sympy.Expr] = {}
+        self.storage: dict[str, sympy.Symbol] = {}
+        self.powers: dict[str, sympy.Expr] = {}
+        self.effort_out: dict[int, str] = {
+            index: stroke.effort_out_of for index, stroke in enumerate(causal.strokes)
+        }
+        self.names = self._port_variables()
+
+    def equations(self) -> Equations:
+        """Write all equations, order them, and check that nothing is left over."""
+        for name, element in self.graph.elements.items():
+            self._write(name, element)
+        rates = Rates(self.explicit, self.implicit, self.states, self.graph.inputs)
+        self._dependent_storages(rates)
+        self._stuck_contacts(rates)
+        outputs = {name: self._local(output.expression) for name, output in self.graph.outputs.items()}
+        ordered = order_and_solve(self.explicit, self.implicit)
+        inputs = (*self.graph.inputs, *rates.input_rates.values())
+        result = Equations(
+            name=self.graph.name,
+            states=tuple(self.states),
+            inputs=inputs,
+            parameters=self._used_parameters(ordered.assignments, ordered.residuals, outputs.values()),
+            algebraic=ordered.algebraic,
+            residuals=ordered.residuals,
+            assignments=ordered.assignments,
+            derivatives=tuple(self.states.values()),
+            outputs=outputs,
+            initial=tuple(self.initial),
+            contacts=tuple(self.contacts),
+            powers=self.powers,
+            energies=self._energies(),
+            dependent=self.dependent,
+            loops=ordered.loops,
+            causal=self.causal,
+            input_rates={rate: symbol for symbol, rate in rates.input_rates.items()},
+        )
+        _assert_closed(result)
+        return result
+
+    def _port_variables(self) -> dict[sympy.Basic, sympy.Symbol]:
+        """Map the elements' own symbols to the variables of this graph."""
+        names: dict[sympy.Basic, sympy.Symbol] = {}
+        for name, element in self.graph.elements.items():
+            if isinstance(element, Zero):
+                names[element.e] = self.nets.symbol("e", self.nets.at[name][0])
+            elif isinstance(element, One):
+                names[element.f] = self.nets.symbol("f", self.nets.at[name][0])
+            elif not isinstance(element, TwoPort):
+                bond = self.nets.at[name][0]
+                names[element.e] = self.nets.symbol("e", bond)  # type: ignore[attr-defined]
+                names[element.f] = self.nets.symbol("f", bond)  # type: ignore[attr-defined]
+                if isinstance(element, Storage):
+                    letter = "q" if isinstance(element, C) else "p"
+                    names[element.state] = sympy.Symbol(f"{name}.{letter}", real=True)
+                if isinstance(element, Friction):
+                    names[element.speed] = sympy.Symbol(f"{name}.speed", real=True)
+        for name, element in self.graph.of(TwoPort):
+            self._two_port_variables(name, element, names)
+        return names
+
+    def _two_port_variables(self, name: str, element: TwoPort, names: dict[sympy.Basic, sympy.Symbol]) -> None:
+        """Name a two-port's ports; a bond drawn against its side reverses the flow."""
+        into, out = self._sides(name)
+        names[element.e_in] = self.nets.symbol("e", into)
+        names[element.e_out] = self.nets.symbol("e", out)
+        names[element.f_in] = self._towards(name, into) * self.nets.symbol("f", into)
+        names[element.f_out] = -self._towards(name, out) * self.nets.symbol("f", out)
+
+    def _sides(self, name: str) -> tuple[int, int]:
+        """Return in bond and out bond: by arrows, by order where arrows do not tell."""
+        first, second = self.nets.at[name]
+        if self._towards(name, first) < 0 < self._towards(name, second):
+            return second, first
+        return first, second
+
+    def _towards(self, name: str, bond: int) -> int:
+        """Return +1 for a bond whose arrow points to the element, -1 for one that leaves it."""
+        return 1 if self.graph.bonds[bond].head == name else -1
+
+    def _local(self, expression: sympy.Expr) -> sympy.Expr:
+        return expression.xreplace(self.names)
+
+    def _write(self, name: str, element: object) -> None:
+        if isinstance(element, Zero | One):
+            self._write_junction(name, element)
+        elif isinstance(element, TwoPort):
+            self._write_two_port(name, element)
+        elif isinstance(element, Storage):
+            self._write_storage(name, element)
+        elif isinstance(element, R | Friction):
+            self._write_dissipator(name, element)
+        elif isinstance(element, Se | Sf):
+            self._write_source(name, element)
+        else:
+            raise LawError(f"no equations are known for {element!r}", elements=[name])
+
+    def _write_junction(self, name: str, junction: Zero | One) -> None:
+        """Write the sum of the variable that is not shared, for the one bond that does not bring its own."""
+        summed = "f" if isinstance(junction, Zero) else "e"
+        bonds = self.nets.at[name]
+        strong = next(
+            bond for bond in bonds if (self.effort_out[bond] == name) == isinstance(junction, One)
+        )
+        sign = self._towards(name, strong)
+        total = sympy.Add(
+            *(
+                -sign * self._towards(name, bond) * self.nets.symbol(summed, bond)
+                for bond in bonds
+                if bond != strong
+            )
+        )
+        self.explicit[self.nets.symbol(summed, strong)] = total
+
+    def _write_two_port(self, name: str, element: TwoPort) -> None:
+        into, out = self._sides(name)
+        e_in, e_out = self.nets.symbol("e", into), self.nets.symbol("e", out)
+        f_in, f_out = self.nets.symbol("f", into), self.nets.symbol("f", out)
+        s_in, s_out = self._towards(name, into), -self._towards(name, out)
+        ratio = self._local(element.ratio)
+        gives_in, gives_out = self.effort_out[into] == name, self.effort_out[out] == name
+        if isinstance(element, TF) and gives_in:
+            self.explicit[e_in] = ratio * e_out
+            self.explicit[f_out] = s_out * ratio * s_in * f_in
+        elif isinstance(element, TF):
+            self.explicit[e_out] = e_in / ratio
+            self.explicit[f_in] = s_in * s_out * f_out / ratio
+        elif gives_in and gives_out:
+            self.explicit[e_in] = ratio * s_out * f_out
+            self.explicit[e_out] = ratio * s_in * f_in
+        else:
+            self.explicit[f_out] = s_out * e_in / ratio
+            self.explicit[f_in] = s_in * e_out / ratio
+
+    def _write_storage(self, name: str, element: Storage) -> None:
+        state = self.names[element.state]
+        self.storage[name] = state
+        if name in self.causal.integral:
+            self.explicit[self.names[element.coenergy]] = self._local(element.law)
+            self.states[state] = self.names[element.f if isinstance(element, C) else element.e]
+            self.initial.append(self._local(element.initial))
+        elif element.inverse is not None:
+            self.dependent[name] = self.explicit[state] = self._local(element.inverse)
+        else:
+            self.implicit[state] = self.names[element.coenergy] - self._local(element.law)
+            self.dependent[name] = state
+
+    def _write_source(self, name: str, element: Se | Sf) -> None:
+        if isinstance(element, Se):
+            self.explicit[self.names[element.e]] = self._local(element.effort)
+        else:
+            self.explicit[self.names[element.f]] = self._local(element.flow)
+        gives = -self._towards(name, self.nets.at[name][0])
+        self.powers[name] = gives * self.names[element.e] * self.names[element.f]
+
+    def _write_dissipator(self, name: str, element: R | Friction) -> None:
+        effort, flow = self.names[element.e], self.names[element.f]
+        gives_effort = self.effort_out[self.nets.at[name][0]] == name
+        self.powers[name] = effort * flow
+        if isinstance(element, Friction):
+            if not gives_effort:
+                raise LawError(
+                    f"Friction {name!r} is made to decide its flow, which dry friction cannot; "
+                    f"add a compliance or inertia beside it",
+                    elements=[name],
+                )
+            self._write_friction(name, element)
+            return
+        known = element.effort if gives_effort else element.flow
+        other = element.flow if gives_effort else element.effort
+        given, wanted = (flow, effort) if gives_effort else (effort, flow)
+        if known is not None:
+            self.explicit[wanted] = self._local(known)
+        else:
+            assert other is not None
+            if other.free_symbols.isdisjoint({element.e, element.f}):
+                raise LawError(
+                    f"R {name!r} has a constant {'flow' if gives_effort else 'effort'} and is asked for the other "
+                    f"variable, which its law does not determine; use a source, or another causality",
+                    elements=[name],
+                )
+            self.implicit[wanted] = given - self._local(other)
+
+    def _write_friction(self, name: str, element: Friction) -> None:
+        if element.smoothing is not None:
+            self.explicit[self.names[element.e]] = self._local(element.smoothed())
+            return
+        direction = sympy.Symbol(f"{name}.direction", real=True)
+        held = name in self.stuck
+        self.contacts.append(
+            Contact(
+                name,
+                direction,
+                self.names[element.f],
+                self.names[element.e],
+                self._local(element.breakaway),
+                held,
+            )
+        )
+        if not held:
+            self.explicit[self.names[element.e]] = self._local(element.slipping(direction))
+
+    def _dependent_storages(self, rates: Rates) -> None:
+        """Close storages in derivative causality: the conjugate is the rate of their state."""
+        for name in self.causal.derivative:
+            element = self.graph.elements[name]
+            assert isinstance(element, Storage)
+            conjugate = self.names[element.f if isinstance(element, C) else element.e]
+            self.explicit[conjugate] = rates.of(self.storage[name])
+
+    def _stuck_contacts(self, rates: Rates) -> None:
+        """Hold stuck contacts: their effort is the one at which the slip's rate is zero."""
+        for contact in self.contacts:
+            if contact.stuck:
+                self.implicit[contact.effort] = rates.of(contact.slip)
+
+    def _energies(self) -> dict[str, sympy.Expr | None]:
+        return {
+            name: None if element.energy is None else self._local(element.energy)
+            for name, element in self.graph.of(Storage)
+        }
+
+    def _used_parameters(
+        self,
+        assignments: Iterable[tuple[sympy.Symbol, sympy.Expr]],
+        residuals: Iterable[sympy.Expr],
+        outputs: Iterable[sympy.Expr],
+    ) -> tuple[sympy.Symbol, ...]:
+        used: set[sympy.Basic] = set()
+        for _, expression in assignments:
+            used |= expression.free_symbols
+        energies = [energy for energy in self._energies().values() if energy is not None]
+        breakaways = [contact.breakaway for contact in self.contacts]
+        for expression in (*residuals, *outputs, *self.initial, *energies, *breakaways):
+            used |= expression.free_symbols
+        return tuple(symbol for symbol in self.graph.parameters if symbol in used)
+
+
+def _assert_closed(equations: Equations) -> None:
+    """Check that no bond variable is left over and that equations match unknowns."""
+    known = set(equations.arguments)
+    for symbol, expression in equations.assignments:
+        leftover = expression.free_symbols - known
+        if leftover:
+            raise BondGraphError(f"internal error: {symbol} uses {leftover} before it is known; please report the graph")
+        known.add(symbol)
+    expressions: list[sympy.Expr] = [*equations.residuals, *equations.derivatives, *equations.outputs.values()]
+    expressions += [contact.breakaway for contact in equations.contacts]
+    for expression in expressions:
+        leftover = expression.free_symbols - known
+        if leftover:
+            raise BondGraphError(f"internal error: {leftover} is left over in {expression}; please report the graph")
+    if len(equations.algebraic) != len(equations.residuals):
+        raise BondGraphError("internal error: equations and unknowns differ in number; please report the graph")
+
+

@@ -1,0 +1,123 @@
+"""Constitutive laws as plain functions on sympy expressions.
+
+A law takes and gives expressions; it knows no element and no graph. What
+changes the physics is a required keyword: nothing here has a hidden default.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import sympy
+
+from .errors import LawError
+
+
+def exact(value: Any) -> sympy.Expr:
+    """Turn a number or expression into sympy without binary float dust.
+
+    A Python float becomes the rational number it is written as, so that 0.2 is
+    1/5 and elimination leaves no 1e-17 terms.
+
+    Parameters
+    ----------
+    value : number, numpy scalar or sympy expression
+        Anything sympy can represent as one real expression; text is refused.
+
+    Returns
+    -------
+    sympy.Expr
+
+    Raises
+    ------
+    LawError
+        For text, NaN, infinities and things that are no scalar expression.
+
+    Examples
+    --------
+    >>> exact(0.2)
+    1/5
+    """
+    if isinstance(value, bool) or isinstance(value, str):
+        raise LawError(f"expected a number or a sympy expression, got {value!r}; make a symbol with sympy.Symbol")
+    if hasattr(value, "item") and not isinstance(value, sympy.Basic):
+        value = value.item()
+    try:
+        expression = sympy.sympify(value, strict=True)
+    except (sympy.SympifyError, TypeError, ValueError):
+        raise LawError(f"expected a number or a sympy expression, got {value!r}") from None
+    if not isinstance(expression, sympy.Expr):
+        raise LawError(f"expected a scalar expression, got {value!r}")
+    if expression.has(sympy.nan, sympy.zoo, sympy.oo, sympy.S.NegativeInfinity):
+        raise LawError(f"{value!r} is not a finite number; give a finite value")
+    floats = expression.atoms(sympy.Float)
+    return expression.xreplace({number: sympy.Rational(repr(float(number))) for number in floats})
+
+
+def stribeck(slip: Any, *, normal: Any, mu_s: Any, mu_k: Any, v_s: Any) -> sympy.Expr:
+    """Friction force that falls from static to kinetic as slip grows.
+
+    ``normal (mu_k + (mu_s - mu_k) exp(-slip / v_s))``: the magnitude, for a
+    slip speed of at least zero.
+
+    Parameters
+    ----------
+    slip : Expr
+        Slip speed, m/s, not negative.
+    normal : Expr
+        Normal force, N.
+    mu_s, mu_k : Expr
+        Static and kinetic coefficients of friction.
+    v_s : Expr
+        Slip sensitivity: speed over which the force falls by a factor e, m/s.
+
+    Returns
+    -------
+    Expr
+        Force, N.
+
+    References
+    ----------
+    Bike braking vibration modelling and measurement, Procedia Engineering 72
+    (2014) 471-476, Fig. 4.
+
+    Examples
+    --------
+    >>> stribeck(0, normal=10, mu_s=0.4, mu_k=0.25, v_s=0.1)
+    4
+    """
+    slip, normal, mu_s, mu_k, v_s = map(exact, (slip, normal, mu_s, mu_k, v_s))
+    return normal * (mu_k + (mu_s - mu_k) * sympy.exp(-slip / v_s))
+
+
+def regularised(kinetic: sympy.Expr, speed: sympy.Symbol, slip: Any, width: Any) -> sympy.Expr:
+    """Replace the jump of dry friction at zero slip by ``tanh(slip / width)``.
+
+    Kept for comparison: it is wrong in time traces (a stuck contact creeps),
+    with an error linear in the width.
+
+    Parameters
+    ----------
+    kinetic : Expr
+        Magnitude of the force as a function of ``speed``.
+    speed : Symbol
+        The symbol that stands for the slip speed in ``kinetic``.
+    slip : Expr
+        Signed slip, m/s.
+    width : Expr
+        Width of the transition, m/s, positive.
+
+    Returns
+    -------
+    Expr
+        Signed force.
+
+    Examples
+    --------
+    >>> import sympy
+    >>> v, s = sympy.symbols("v s", real=True)
+    >>> regularised(8 + 0 * s, s, v, 0.001)
+    8*tanh(1000*v)
+    """
+    slip = exact(slip)
+    return kinetic.xreplace({speed: sympy.Abs(slip)}) * sympy.tanh(slip / exact(width))

@@ -1,0 +1,238 @@
+"""Parameters with value, unit, meaning and source, and their resolution to SI numbers.
+
+A parameter is a sympy symbol. What the symbol assumes (``positive=True``,
+``nonnegative=True``) is what its value must satisfy.
+"""
+
+from __future__ import annotations
+
+import difflib
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import sympy
+
+from .errors import LawError, ParameterError
+from .laws import exact
+from .units import check_compatible, quantity_parts, to_si
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """One row of a model's parameter table.
+
+    Attributes
+    ----------
+    value : float, Expr or None
+        Number in ``unit``; or an expression in other parameters, whose result
+        is in SI; or None where the user must give it.
+    unit : str
+        Unit of the value, empty for a pure number.
+    meaning : str
+        What it is, in a few words.
+    source : str
+        Where the value comes from.
+
+    Examples
+    --------
+    >>> Parameter(350, "N/mm", "frame stiffness at the caliper").unit
+    'N/mm'
+    """
+
+    value: Any = None
+    unit: str = ""
+    meaning: str = ""
+    source: str = ""
+
+    @property
+    def derived(self) -> bool:
+        """Whether the value is an expression in other parameters."""
+        return isinstance(self.value, sympy.Expr) and bool(self.value.free_symbols)
+
+
+def as_parameter(name: str, given: Any) -> Parameter:
+    """Read a parameter from any of its accepted forms.
+
+    Parameters
+    ----------
+    name : str
+        For error messages.
+    given : Parameter, number, Expr, (value, unit) or pint quantity
+
+    Returns
+    -------
+    Parameter
+
+    Raises
+    ------
+    ParameterError
+
+    Examples
+    --------
+    >>> as_parameter("k", (350, "N/mm")).value
+    350
+    """
+    if isinstance(given, Parameter):
+        parameter = given
+    elif (parts := quantity_parts(given)) is not None:
+        parameter = Parameter(*parts)
+    elif isinstance(given, tuple):
+        if len(given) < 2 or len(given) > 4 or not all(isinstance(word, str) for word in given[1:]):
+            raise ParameterError(f"parameter {name!r}: expected (value, 'unit', 'meaning', 'source'), got {given!r}")
+        parameter = Parameter(*given)
+    else:
+        parameter = Parameter(given)
+    if parameter.value is None:
+        return parameter
+    try:
+        value = exact(parameter.value)
+    except LawError as error:
+        raise ParameterError(f"parameter {name!r}: {error}") from None
+    if not value.free_symbols:
+        number = parameter.value if isinstance(parameter.value, int | float) else float(value)
+        return Parameter(number, parameter.unit, parameter.meaning, parameter.source)
+    return Parameter(value, parameter.unit, parameter.meaning, parameter.source)
+
+
+def unknown_name(kind: str, name: str, known: Iterable[str]) -> ParameterError:
+    """Build the error for a name that is not known, with the nearest ones."""
+    names = list(known)
+    near = difflib.get_close_matches(name, names, n=3)
+    hint = f"did you mean {' or '.join(near)}?" if near else f"known: {', '.join(names) or 'none'}"
+    return ParameterError(f"{kind} {name!r} is not known; {hint}")
+
+
+def resolve(
+    table: Mapping[sympy.Symbol, Parameter], overrides: Mapping[Any, Any] | None = None, *, partial: bool = False
+) -> dict[str, float]:
+    """Evaluate all parameters to SI numbers.
+
+    Parameters
+    ----------
+    table : mapping of Symbol to Parameter
+    overrides : mapping, optional
+        Name or symbol to a number in SI, ``(value, unit)`` or a quantity. An
+        override of a derived parameter replaces its expression.
+    partial : bool
+        Leave out parameters without a value instead of raising.
+
+    Returns
+    -------
+    dict of str to float
+        SI values by name, in the table's order.
+
+    Raises
+    ------
+    ParameterError
+        For unknown names, wrong units, values that are not finite or not
+        admissible, missing values and circular expressions.
+
+    Examples
+    --------
+    >>> m, k, f = sympy.symbols("m k f", positive=True)
+    >>> resolve({k: Parameter(2, "N/m"), m: Parameter(k / f**2), f: Parameter(2, "Hz")}, {"k": (1, "N/mm")})["m"]
+    250.0
+    """
+    by_name = {symbol.name: symbol for symbol in table}
+    given: dict[sympy.Symbol, float] = {}
+    for key, value in (overrides or {}).items():
+        name = key.name if isinstance(key, sympy.Symbol) else str(key)
+        if name not in by_name:
+            raise unknown_name("parameter", name, by_name)
+        given[by_name[name]] = _override(name, value, table[by_name[name]])
+    values: dict[sympy.Symbol, float] = {}
+    for symbol in table:
+        _evaluate(symbol, table, given, values, (), partial)
+    return {symbol.name: values[symbol] for symbol in table if symbol in values}
+
+
+def _override(name: str, value: Any, row: Parameter) -> float:
+    if isinstance(value, bool) or value is None:
+        raise ParameterError(f"parameter {name!r}: expected a number, got {value!r}")
+    if isinstance(value, int | float):
+        return float(value)
+    parameter = as_parameter(name, value)
+    if parameter.derived:
+        raise ParameterError(f"parameter {name!r}: an override is a number, not the expression {parameter.value}")
+    if not parameter.unit:
+        return float(parameter.value)
+    try:
+        return to_si(parameter.value, parameter.unit, expected=row.unit)
+    except ParameterError as error:
+        raise ParameterError(f"parameter {name!r}: {error}") from None
+
+
+def _evaluate(
+    symbol: sympy.Symbol,
+    table: Mapping[sympy.Symbol, Parameter],
+    given: Mapping[sympy.Symbol, float],
+    values: dict[sympy.Symbol, float],
+    path: tuple[sympy.Symbol, ...],
+    partial: bool,
+) -> float | None:
+    """Evaluate one parameter after those it depends on."""
+    if symbol in values:
+        return values[symbol]
+    if symbol in path:
+        loop = " -> ".join(item.name for item in (*path[path.index(symbol) :], symbol))
+        raise ParameterError(f"parameters are defined in a circle: {loop}; give one of them a number")
+    if symbol not in table:
+        user = f"parameter {path[-1].name!r}" if path else "the model"
+        raise ParameterError(f"{user} uses {symbol.name!r}, which is no parameter; add it to the table")
+    row = table[symbol]
+    if symbol in given:
+        number = given[symbol]
+    elif row.value is None:
+        if partial:
+            return None
+        raise ParameterError(f"parameter {symbol.name!r} has no value; give it, e.g. parameters={{{symbol.name!r}: 1.0}}")
+    elif row.derived:
+        inner = sorted(row.value.free_symbols, key=lambda item: item.name)
+        parts = [_evaluate(item, table, given, values, (*path, symbol), partial) for item in inner]
+        if any(part is None for part in parts):
+            return None
+        number = _number(symbol.name, row.value, dict(zip(inner, parts, strict=True)))
+    else:
+        number = to_si(row.value, row.unit) if row.unit else float(row.value)
+    values[symbol] = _admissible(symbol, number)
+    return values[symbol]
+
+
+def _number(name: str, expression: sympy.Expr, values: Mapping[sympy.Symbol, float | None]) -> float:
+    try:
+        return float(expression.evalf(17, subs=values))
+    except (TypeError, ValueError, ZeroDivisionError, OverflowError):
+        shown = ", ".join(f"{key.name} = {value:g}" for key, value in values.items())
+        raise ParameterError(f"parameter {name!r} = {expression} has no real value at {shown}") from None
+
+
+def _admissible(symbol: sympy.Symbol, value: float) -> float:
+    """Check a value against what its symbol assumes."""
+    if not math.isfinite(value):
+        raise ParameterError(f"parameter {symbol.name!r} is {value}; it must be a finite number")
+    rules = (
+        (symbol.is_positive, value > 0, "positive"),
+        (symbol.is_negative, value < 0, "negative"),
+        (symbol.is_nonnegative, value >= 0, "at least zero"),
+        (symbol.is_nonzero and symbol.is_real, value != 0, "different from zero"),
+        (symbol.is_integer, value == int(value), "a whole number"),
+    )
+    for applies, holds, words in rules:
+        if applies and not holds:
+            raise ParameterError(f"parameter {symbol.name!r} is {value:g}; it must be {words}")
+    return value
+
+
+def check_unit(name: str, unit: str, expected: str) -> None:
+    """Raise, naming the parameter, unless its unit fits.
+
+    Examples
+    --------
+    >>> check_unit("k", "N/mm", "N/m")
+    """
+    try:
+        check_compatible(unit, expected)
+    except ParameterError as error:
+        raise ParameterError(f"parameter {name!r}: {error}") from None

@@ -1,0 +1,113 @@
+"""Rates: time derivatives of variables, by the chain rule along their assignments.
+
+Dependent storages and stuck contacts need the rate of a variable that follows
+from states. Its rate is built as further variables, ``der(x)``, that share
+intermediate results like all others.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, MutableMapping
+
+import sympy
+
+from .errors import LawError
+from .graph import TIME
+
+MAX_ORDER = 3
+
+
+class Rates:
+    """Adds ``der(v)`` variables to a table of assignments on demand.
+
+    Parameters
+    ----------
+    explicit, implicit : mutable mapping of Symbol to Expr
+        The tables of `bondgraph.blocks.order_and_solve`; extended in place
+        while the equations are being built.
+    states : mapping of Symbol to Symbol
+        State to the variable that is its rate.
+    inputs : collection of Symbol
+        Inputs; their rates become inputs in turn.
+    """
+
+    def __init__(
+        self,
+        explicit: MutableMapping[sympy.Symbol, sympy.Expr],
+        implicit: MutableMapping[sympy.Symbol, sympy.Expr],
+        states: Mapping[sympy.Symbol, sympy.Symbol],
+        inputs: Collection[sympy.Symbol],
+    ) -> None:
+        self._explicit = explicit
+        self._implicit = implicit
+        self._states = states
+        self._inputs = inputs
+        self._known: dict[sympy.Symbol, sympy.Expr] = {}
+        self._order: dict[sympy.Symbol, int] = {}
+        self._pending: list[sympy.Symbol] = []
+        self.input_rates: dict[sympy.Symbol, sympy.Symbol] = {}
+
+    def of(self, expression: sympy.Expr) -> sympy.Expr:
+        """Return the total time derivative of an expression, in known variables and rates.
+
+        Raises
+        ------
+        LawError
+            When the equations ask for derivatives of ever higher order.
+        """
+        rate = self._chain(expression)
+        self._drain()
+        return rate
+
+    def _chain(self, expression: sympy.Expr) -> sympy.Expr:
+        terms = []
+        for symbol in sorted(expression.free_symbols, key=lambda item: item.name):
+            inner = self._rate(symbol)
+            if inner != 0:
+                terms.append(sympy.diff(expression, symbol) * inner)
+        return sympy.Add(*terms)
+
+    def _rate(self, symbol: sympy.Symbol) -> sympy.Expr:
+        """Return the rate of one symbol, as zero, one or a symbol."""
+        if symbol in self._known:
+            return self._known[symbol]
+        if symbol == TIME:
+            return sympy.S.One
+        if symbol in self._states:
+            return self._states[symbol]
+        if symbol in self._inputs or symbol in self.input_rates.values():
+            return self._new_input_rate(symbol)
+        if symbol in self._explicit or symbol in self._implicit:
+            return self._new_rate(symbol)
+        return sympy.S.Zero
+
+    def _new_input_rate(self, symbol: sympy.Symbol) -> sympy.Symbol:
+        rate = sympy.Symbol(f"der({symbol.name})", real=True)
+        self._known[symbol] = rate
+        self.input_rates[symbol] = rate
+        return rate
+
+    def _new_rate(self, symbol: sympy.Symbol) -> sympy.Symbol:
+        order = self._order.get(symbol, 0) + 1
+        if order > MAX_ORDER:
+            raise LawError(
+                f"the equations ask for derivatives of ever higher order (at {symbol.name}); "
+                f"a dependent storage hangs on another: add a compliance or resistance between them",
+                elements=[symbol.name],
+            )
+        rate = sympy.Symbol(f"der({symbol.name})", real=True)
+        self._known[symbol] = rate
+        self._order[rate] = order
+        self._pending.append(symbol)
+        return rate
+
+    def _drain(self) -> None:
+        """Write the assignments of the rates asked for, until none is left."""
+        while self._pending:
+            symbol = self._pending.pop()
+            rate = self._known[symbol]
+            assert isinstance(rate, sympy.Symbol)
+            if symbol in self._explicit:
+                self._explicit[rate] = self._chain(self._explicit[symbol])
+            else:
+                self._implicit[rate] = self._chain(self._implicit[symbol])

@@ -1,0 +1,123 @@
+"""Units at the border: any compatible unit comes in, SI floats stay inside.
+
+pint is loaded when a unit is first looked at, never on import.
+"""
+
+from __future__ import annotations
+
+import functools
+import math
+from typing import TYPE_CHECKING, Any
+
+from .errors import ParameterError
+
+if TYPE_CHECKING:
+    import pint
+
+_CYCLIC = ("hertz", "cycle", "turn", "revolution")
+
+
+@functools.cache
+def _registry() -> pint.UnitRegistry:
+    import pint
+
+    return pint.UnitRegistry(autoconvert_offset_to_baseunit=True)
+
+
+@functools.lru_cache(maxsize=1024)
+def _parse(unit: str) -> Any:
+    import pint
+
+    try:
+        return _registry().Unit(unit or "dimensionless")
+    except (pint.UndefinedUnitError, pint.DefinitionSyntaxError, ValueError, TypeError, AttributeError):
+        raise ParameterError(f"unit {unit!r} is not known; write it like 'N/mm', 'rad/s' or 'kg*m^2'") from None
+    except Exception as error:  # tokenizer errors of pint have no common base
+        raise ParameterError(f"unit {unit!r} cannot be read ({error}); write it like 'N/mm'") from None
+
+
+def to_si(value: float, unit: str, expected: str | None = None) -> float:
+    """Convert a value to coherent SI units.
+
+    Parameters
+    ----------
+    value : float
+        Value in ``unit``.
+    unit : str
+        Any unit pint knows; empty for a pure number.
+    expected : str, optional
+        A unit that must have the same dimension.
+
+    Returns
+    -------
+    float
+        Value in SI base units.
+
+    Raises
+    ------
+    ParameterError
+        For unknown or incompatible units.
+
+    Examples
+    --------
+    >>> to_si(350, "N/mm", expected="N/m")
+    350000.0
+    """
+    if expected is not None:
+        check_compatible(unit, expected)
+    if not unit:
+        return float(value)
+    return float(_registry().Quantity(float(value), _parse(unit)).to_base_units().magnitude)
+
+
+def from_si(value: float, unit: str) -> float:
+    """Convert an SI value to ``unit``.
+
+    Examples
+    --------
+    >>> from_si(350e3, "N/mm")
+    350.0
+    """
+    if not unit:
+        return float(value)
+    target = _parse(unit)
+    base = _registry().Quantity(1.0, target).to_base_units().units
+    converted = float(_registry().Quantity(float(value), base).to(target).magnitude)
+    tidy = float(f"{converted:.15g}")
+    return tidy if math.isclose(tidy, converted, rel_tol=1e-14) else converted
+
+
+def check_compatible(unit: str, expected: str) -> None:
+    """Raise unless two units measure the same dimension.
+
+    Raises
+    ------
+    ParameterError
+        For incompatible units, and for Hz where rad/s is meant (or the
+        reverse), which differ by 2 pi.
+
+    Examples
+    --------
+    >>> check_compatible("mm", "m")
+    """
+    given, wanted = _parse(unit), _parse(expected)
+    if given.dimensionality != wanted.dimensionality:
+        raise ParameterError(f"unit '{unit or '1'}' does not measure what '{expected or '1'}' does")
+    names = [str(given), str(wanted)]
+    angular = ["radian" in name or "degree" in name for name in names]
+    cyclic = ["hertz" in name for name in names]
+    if (angular[0] and cyclic[1]) or (angular[1] and cyclic[0]):
+        raise ParameterError(f"'{unit}' and '{expected}' differ by 2 pi; convert by hand so that it is clear")
+
+
+def quantity_parts(value: Any) -> tuple[float, str] | None:
+    """Split a pint quantity into value and unit; None for anything else.
+
+    Examples
+    --------
+    >>> quantity_parts(3.0) is None
+    True
+    """
+    if hasattr(value, "magnitude") and hasattr(value, "units"):
+        return float(value.magnitude), str(value.units)
+    return None
