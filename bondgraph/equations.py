@@ -84,6 +84,11 @@ class Equations:
         State of each storage in derivative causality, in the equations' variables.
     loops : tuple of AlgebraicLoop
     causal : CausalGraph
+    ports : mapping of str to Expr
+        Every element's port variables and states by qualified name, such as
+        ``rear.mass.f``, in the equations' variables.
+    input_rates : mapping of Symbol to Symbol
+        Input to its rate, where a dependent storage needs the rate.
     warnings : tuple of str
 
     Examples
@@ -111,6 +116,7 @@ class Equations:
     dependent: Mapping[str, sympy.Expr]
     loops: tuple[AlgebraicLoop, ...]
     causal: CausalGraph
+    ports: Mapping[str, sympy.Expr] = field(default_factory=dict)
     input_rates: Mapping[sympy.Symbol, sympy.Symbol] = field(default_factory=dict)
 
     @property
@@ -314,7 +320,8 @@ class _Derivation:
             dependent=self.dependent,
             loops=ordered.loops,
             causal=self.causal,
-            input_rates={rate: symbol for symbol, rate in rates.input_rates.items()},
+            ports=self._ports(),
+            input_rates=dict(rates.input_rates),
         )
         _assert_closed(result)
         return result
@@ -494,6 +501,14 @@ class _Derivation:
         for contact in self.contacts:
             if contact.stuck:
                 self.implicit[contact.effort] = rates.of(contact.slip)
+
+    def _ports(self) -> dict[str, sympy.Expr]:
+        return {
+            f"{name}.{key}": self.names[symbol]
+            for name, element in self.graph.elements.items()
+            for key, symbol in element.symbols.items()
+            if key != "speed"
+        }
 
     def _energies(self) -> dict[str, sympy.Expr | None]:
         return {

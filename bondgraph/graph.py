@@ -82,6 +82,25 @@ class GraphBond:
     head: str
 
 
+@dataclass(frozen=True)
+class Signal:
+    """A modulation: a law that uses a variable of another element.
+
+    Attributes
+    ----------
+    source : str
+        Qualified name of the element whose variable is used.
+    variable : str
+        Which one: ``e``, ``f``, ``q``, ``p``, ...
+    target : str
+        Qualified name of the element whose law uses it.
+    """
+
+    source: str
+    variable: str
+    target: str
+
+
 @dataclass(frozen=True, eq=False)
 class BondGraph:
     """An assembled bond graph: immutable, checked, without causality yet.
@@ -189,6 +208,11 @@ class BondGraph:
             self.warnings,
             self.notes,
         )
+
+    @property
+    def signals(self) -> tuple[Signal, ...]:
+        """Modulations: which law uses which variable of another element."""
+        return _signals(self.elements)
 
     def bonds_of(self, name: str) -> tuple[GraphBond, ...]:
         """Return the bonds of one element, in the order written."""
@@ -455,17 +479,36 @@ def _exposed(graph: str, ports: Mapping[str, Any], names: Mapping[Element, str])
     return exposed
 
 
+def _signals(elements: Mapping[str, Element]) -> tuple[Signal, ...]:
+    owner = {
+        symbol: (label, key) for label, element in elements.items() for key, symbol in element.symbols.items()
+    }
+    used = {
+        Signal(*owner[symbol], target=label): None
+        for label, element in elements.items()
+        for law in element.laws.values()
+        for symbol in sorted(law.free_symbols, key=str)
+        if symbol in owner and owner[symbol][0] != label
+    }
+    return tuple(used)
+
+
 def _disconnected(graph: str, elements: Mapping[str, Element], bonds: Iterable[GraphBond]) -> tuple[str, ...]:
+    """Warn of parts joined by neither bonds nor signals; each is still solved."""
     network = networkx.Graph()
     network.add_nodes_from(elements)
     network.add_edges_from((bond.tail, bond.head) for bond in bonds)
-    parts = [sorted(part, key=list(elements).index) for part in networkx.connected_components(network)] if (
-        networkx.number_connected_components(network) > 1
-    ) else []
-    if not parts:
+    if networkx.is_connected(network):
         return ()
-    shown = "; ".join(", ".join(part[:4]) + (", ..." if len(part) > 4 else "") for part in parts)
-    return (f"graph {graph!r} has {len(parts)} parts that exchange no power: {shown}",)
+    network.add_edges_from((signal.source, signal.target) for signal in _signals(elements))
+    parts = [list(part) for part in networkx.connected_components(network)]
+    if len(parts) == 1:
+        return ()
+    place = {label: index for index, label in enumerate(elements)}
+    shown = "; ".join(
+        ", ".join(sorted(part, key=place.__getitem__)[:4]) + (", ..." if len(part) > 4 else "") for part in parts
+    )
+    return (f"graph {graph!r} has {len(parts)} disconnected parts, each solved on its own: {shown}",)
 
 
 class _Symbols:

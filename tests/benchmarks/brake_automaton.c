@@ -29,19 +29,23 @@ typedef struct {
     double l[4], l_constant;
 } Brake;
 
-/* One accepted step: time, length, end slopes, dense output, exp(-t/tau) at its start. */
+/* One step: time, length, exp(-t/tau) at both ends, states and slopes there, dense output. */
 typedef struct {
-    double t, h, decay;
+    double t, h, decay, decay1;
     v4 y0, y1, k1, k7, c[5];
 } Step;
 
 typedef struct {
     const Brake *b;
     int mode;                                  /* 0 stick, +1, -1 slip */
-    double t, decay, h, rtol, atol, h_max, log_error;
+    double t, decay, h, rtol, atol, h_max;
+    float log_error;
     int armed, rejected;
     v4 y, k1;
 } Run;
+
+static inline double greater(double a, double b) { return a > b ? a : b; }
+static inline double lesser(double a, double b) { return a < b ? a : b; }
 
 static Brake derive(const double *p)
 {
@@ -130,25 +134,32 @@ static inline __attribute__((always_inline)) double attempt(const Run *s, int mo
     const Brake *b = s->b;
     const v4 y = s->y, k1 = s->k1;
     double n2 = 0, n3 = 0, n4 = 0, n5 = 0, n6 = 0;
-    if (mode) {
+    if (!mode) {
+        o->decay1 = s->decay * exp(-h * b->inv_tau);
+    } else {
+        /* the pad force at the stages from two exponentials, not five */
         const double e = exp(-0.1 * h * b->inv_tau), e2 = e * e, e4 = e2 * e2, e8 = e4 * e4;
         n2 = b->N0 * (1 - s->decay * e2);
         n3 = b->N0 * (1 - s->decay * e2 * e);
         n4 = b->N0 * (1 - s->decay * e8);
         n5 = b->N0 * (1 - s->decay * exp(-8.0 / 9 * h * b->inv_tau));
-        n6 = b->N0 * (1 - s->decay * e8 * e2);
+        o->decay1 = s->decay * (e8 * e2);
+        n6 = b->N0 * (1 - o->decay1);
     }
+    /* each sum ends with the newest slope: only its multiply-add waits for the stage before */
     const v4 k2 = rates(b, mode, n2, y + h * 0.2 * k1);
-    const v4 k3 = rates(b, mode, n3, y + h * (3.0 / 40 * k1 + 9.0 / 40 * k2));
-    const v4 k4 = rates(b, mode, n4, y + h * (44.0 / 45 * k1 - 56.0 / 15 * k2 + 32.0 / 9 * k3));
+    const v4 k3 = rates(b, mode, n3, y + h * (3.0 / 40) * k1 + h * (9.0 / 40) * k2);
+    const v4 k4 = rates(b, mode, n4,
+                        y + h * (44.0 / 45) * k1 - h * (56.0 / 15) * k2 + h * (32.0 / 9) * k3);
     const v4 k5 = rates(b, mode, n5,
-                        y + h * (19372.0 / 6561 * k1 - 25360.0 / 2187 * k2 + 64448.0 / 6561 * k3
-                                 - 212.0 / 729 * k4));
+                        y + h * (19372.0 / 6561) * k1 - h * (25360.0 / 2187) * k2
+                            + h * (64448.0 / 6561) * k3 - h * (212.0 / 729) * k4);
     const v4 k6 = rates(b, mode, n6,
-                        y + h * (9017.0 / 3168 * k1 - 355.0 / 33 * k2 + 46732.0 / 5247 * k3
-                                 + 49.0 / 176 * k4 - 5103.0 / 18656 * k5));
-    const v4 y1 = y + h * (35.0 / 384 * k1 + 500.0 / 1113 * k3 + 125.0 / 192 * k4
-                           - 2187.0 / 6784 * k5 + 11.0 / 84 * k6);
+                        y + h * (9017.0 / 3168) * k1 - h * (355.0 / 33) * k2
+                            + h * (46732.0 / 5247) * k3 + h * (49.0 / 176) * k4
+                            - h * (5103.0 / 18656) * k5);
+    const v4 y1 = y + h * (35.0 / 384) * k1 + h * (500.0 / 1113) * k3 + h * (125.0 / 192) * k4
+                  - h * (2187.0 / 6784) * k5 + h * (11.0 / 84) * k6;
     const v4 k7 = rates(b, mode, n6, y1);
     const v4 e = h * (71.0 / 57600 * k1 - 71.0 / 16695 * k3 + 71.0 / 1920 * k4
                       - 17253.0 / 339200 * k5 + 22.0 / 525 * k6 - 1.0 / 40 * k7);
@@ -221,7 +232,7 @@ static double locate(const Run *s, const Step *o, int side, double a, double b)
 static double cubic_minimum(double g0, double g1, double d0, double d1)
 {
     const double a = 3 * (d0 + d1 - 2 * (g1 - g0)), b = 2 * (3 * (g1 - g0) - 2 * d0 - d1);
-    const double q = sqrt(fmax(0, b * b - 4 * a * d0));
+    const double q = sqrt(greater(0, b * b - 4 * a * d0));
     return -2 * d0 / (b + q);
 }
 
@@ -238,12 +249,11 @@ static double first_event(Run *s, const Step *o)
         d1 = o->h * s->mode * (b->r * o->k7[W] - o->k7[V]);
     } else {
         const double f1 = held_force(b, o->y1), limit = b->mu_s * b->N0;
-        const double decay1 = o->decay * exp(-o->h * b->inv_tau);
         side = f1 < 0 ? -1 : 1;
         g0 = limit * (1 - o->decay) - side * held_force(b, o->y0);
-        g1 = limit * (1 - decay1) - side * f1;
+        g1 = limit * (1 - o->decay1) - side * f1;
         d0 = o->h * (limit * b->inv_tau * o->decay - side * held_force_rate(b, o->k1));
-        d1 = o->h * (limit * b->inv_tau * decay1 - side * held_force_rate(b, o->k7));
+        d1 = o->h * (limit * b->inv_tau * o->decay1 - side * held_force_rate(b, o->k7));
     }
     if (!s->armed) {
         /* the guard starts at zero, often with zero rate: its sign there is rounding */
@@ -310,12 +320,13 @@ static void change_mode(Run *s, const Step *o, double x)
 /* Next step length after squared error norm `error`: Hairer's PI controller. */
 static double next_length(Run *s, double h, double error)
 {
-    const double lg = log(fmax(error, 1e-20));
-    double factor = 0.9 * exp(-0.085 * lg + 0.02 * s->log_error);
-    factor = fmin(s->rejected ? 1 : 10, fmax(0.2, factor));
-    s->log_error = fmax(lg, -18.4);
+    /* single precision is plenty for a step length and shortens the wait for it */
+    const float lg = logf(greater((float)error, 1e-20f));
+    const float factor = 0.9f * expf(-0.085f * lg + 0.02f * s->log_error);
+    s->log_error = greater(lg, -18.4f);
+    const double next = h * lesser(greater(factor, 0.2f), s->rejected ? 1 : 10);
     s->rejected = 0;
-    return fmin(h * factor, s->h_max);
+    return lesser(next, s->h_max);
 }
 
 /* Run with everything: start may be NULL (steady rolling), energies may be NULL (not computed).
@@ -325,7 +336,7 @@ int brake_run_full(const double *params, const double *start, double t_end, doub
                    int n_out, double *out, double *events, int max_events, double *energies)
 {
     const Brake b = derive(params);
-    const double f_max = fmax(params[2], params[3]), dt = t_end / (n_out - 1);
+    const double f_max = greater(params[2], params[3]), dt = t_end / (n_out - 1);
     const double out_decay = exp(-dt * b.inv_tau);
     double row_decay = 1;
     int row = 0, n_events = 0;
@@ -351,7 +362,7 @@ int brake_run_full(const double *params, const double *start, double t_end, doub
         if (!(error <= 1)) {
             if (!isfinite(error))
                 return NOT_FINITE;
-            s.h = h * fmax(0.2, 0.9 * exp(-0.1 * log(error)));
+            s.h = h * greater(0.2, 0.9 * expf(-0.1f * logf((float)error)));
             s.rejected = 1;
             if (s.h < 1e-14 * t_end)
                 return STEP_UNDERFLOW;
@@ -374,6 +385,7 @@ int brake_run_full(const double *params, const double *start, double t_end, doub
         s.h = next_length(&s, h, error);
         if (x <= 1) {
             change_mode(&s, &o, x);
+            s.h *= 0.1;                        /* the slope of friction is new: feel the way */
             if (n_events < max_events) {
                 events[2 * n_events] = s.t;
                 events[2 * n_events + 1] = s.mode;
@@ -385,7 +397,7 @@ int brake_run_full(const double *params, const double *start, double t_end, doub
             return n_events;
         s.armed = 1;
         s.t += h;
-        s.decay *= exp(-h * b.inv_tau);
+        s.decay = o.decay1;
         s.y = o.y1;
         s.k1 = o.k7;
     }

@@ -1,0 +1,138 @@
+"""Numbers for a set of equations: parameters and initial states in SI."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import sympy
+
+from .equations import Equations
+from .errors import ParameterError
+from .parameters import as_parameter, resolve, unknown_name
+from .units import to_si
+
+
+def parameter_values(equations: Equations, overrides: Mapping[Any, Any] | None = None) -> dict[str, float]:
+    """Resolve the graph's parameters; all that the equations use must have a value.
+
+    Parameters
+    ----------
+    equations : Equations
+    overrides : mapping, optional
+        By name or symbol; see `bondgraph.parameters.resolve`.
+
+    Returns
+    -------
+    dict of str to float
+        SI values of every parameter of the graph that has one.
+
+    Raises
+    ------
+    ParameterError
+
+    Examples
+    --------
+    >>> from bondgraph import derive
+    >>> from bondgraph.models import mass_on_belt
+    >>> parameter_values(derive(mass_on_belt.graph()), {"k": (1, "N/cm")})["k"]
+    100.0
+    """
+    values = resolve(equations.graph.parameters, overrides, partial=True)
+    missing = [symbol.name for symbol in equations.parameters if symbol.name not in values]
+    if missing:
+        raise ParameterError(
+            f"model {equations.name!r} needs a value for {', '.join(missing)}; "
+            f"give it in parameters={{...}}, or in assemble(..., parameters=...)"
+        )
+    return values
+
+
+def initial_values(
+    equations: Equations, values: Mapping[str, float], given: Mapping[Any, Any] | None = None
+) -> list[float]:
+    """Return the initial state vector in SI.
+
+    Parameters
+    ----------
+    equations : Equations
+    values : mapping of str to float
+        Parameter values.
+    given : mapping, optional
+        State name or symbol to a number. An output that is proportional to a
+        single state, such as a mass's speed, may be given in its place.
+
+    Returns
+    -------
+    list of float
+        Ordered as ``equations.states``.
+
+    Raises
+    ------
+    ParameterError
+        For unknown names and values that are not finite.
+
+    Examples
+    --------
+    >>> from bondgraph import derive
+    >>> from bondgraph.models import mass_on_belt
+    >>> equations = derive(mass_on_belt.graph())
+    >>> initial_values(equations, parameter_values(equations), {"v": 0.5})
+    [0.5, 0.0]
+    """
+    numbers = {symbol: value for symbol, value in _by_symbol(equations, values).items()}
+    start = {
+        state: _real(f"initial value of {state.name!r}", initial.evalf(17, subs=numbers))
+        for state, initial in zip(equations.states, equations.initial, strict=True)
+    }
+    names = {state.name: state for state in equations.states}
+    for key, value in (given or {}).items():
+        name = key if isinstance(key, str) else getattr(key, "name", str(key))
+        number = _real(f"initial value of {name!r}", _si(name, value))
+        if name in names:
+            start[names[name]] = number
+        elif name in equations.outputs:
+            state, state_value = _from_output(equations, name, number, numbers)
+            start[state] = state_value
+        else:
+            raise unknown_name("state", name, [*names, *equations.outputs])
+    return [start[state] for state in equations.states]
+
+
+def _si(name: str, value: Any) -> float:
+    if isinstance(value, int | float):
+        return float(value)
+    row = as_parameter(name, value)
+    return to_si(float(row.value), row.unit)
+
+
+def _by_symbol(equations: Equations, values: Mapping[str, float]) -> dict[sympy.Symbol, float]:
+    return {symbol: values[symbol.name] for symbol in equations.graph.parameters if symbol.name in values}
+
+
+def _real(what: str, value: Any) -> float:
+    try:
+        number = float(value)
+    except TypeError:
+        raise ParameterError(f"{what} is {value}; it must be a number") from None
+    if not math.isfinite(number):
+        raise ParameterError(f"{what} is {number}; it must be finite")
+    return number
+
+
+def _from_output(
+    equations: Equations, name: str, value: float, numbers: Mapping[sympy.Symbol, float]
+) -> tuple[sympy.Symbol, float]:
+    """Solve ``output = value`` for the one state the output is affine in."""
+    expression = equations.substituted(equations.outputs[name])
+    states = [state for state in equations.states if state in expression.free_symbols]
+    slope = sympy.diff(expression, states[0]) if len(states) == 1 else sympy.S.Zero
+    others = expression.free_symbols - set(states) - set(numbers)
+    if slope == 0 or slope.free_symbols & set(states) or others:
+        raise ParameterError(
+            f"initial value of output {name!r} does not fix one state; give states instead: "
+            f"{', '.join(state.name for state in equations.states)}"
+        )
+    offset = expression.subs(states[0], 0).evalf(17, subs=numbers)
+    return states[0], _real(name, (value - offset) / slope.evalf(17, subs=numbers))

@@ -1,0 +1,64 @@
+"""A bicycle's rear brake with frame and wheel: stick-slip makes it squeal.
+
+Road speed winds up tyre and spokes, the hub carries the rotor, the pads grip
+it, and the frame bends at the caliper. Its equations are Eq. 1 of the paper,
+with the pad force built up by a hydraulic line.
+
+References
+----------
+Bike braking vibration modelling and measurement, Procedia Engineering 72
+(2014) 471-476.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from bondgraph.elements import TF, Zero
+from bondgraph.graph import BondGraph, assemble
+
+from .bicycle import SYMBOLS as s
+from .bicycle import hydraulic_line, pad_friction, rear_frame, rear_wheel, sheet
+
+
+def graph(smoothing: Any = None) -> BondGraph:
+    """Build the brake's bond graph.
+
+    Parameters
+    ----------
+    smoothing : number or Expr, optional
+        Slip width in m/s of a tanh that replaces the jump of friction at zero
+        slip; for comparison only. None keeps real sticking.
+
+    Returns
+    -------
+    BondGraph
+        Outputs omega_r (rad/s), V_c (m/s), theta_w (rad), x_c (m), and slip,
+        F_f, N. Start: free rolling, nothing deflected, pads off.
+
+    Examples
+    --------
+    >>> graph().parameters[s.k_f].value
+    350.0
+    """
+    wheel, rear, line = rear_wheel(), rear_frame(), hydraulic_line()
+    friction = pad_friction(line["fluid"].e, smoothing)
+    pads = Zero("pads")
+    return assemble(
+        "bicycle_brake",
+        wheel,
+        rear,
+        line,
+        wheel.port("hub") >> TF("rotor_radius", s.r_r) >> pads >> rear.port("caliper"),
+        pads >> friction,
+        parameters=sheet(),
+        outputs={
+            "omega_r": (wheel["rotor"].f, "rad/s", "rotor speed"),
+            "V_c": (rear["mass"].f, "m/s", "caliper speed relative to the bicycle"),
+            "theta_w": (wheel["spokes"].q, "rad", "wind-up of the wheel"),
+            "x_c": (rear["bending"].q, "m", "deflection of the frame at the caliper"),
+            "slip": (friction.f, "m/s", "slip of the pads"),
+            "F_f": (friction.e, "N", "friction force"),
+            "N": (s.A_p * line["fluid"].e, "N", "normal force of both pads"),
+        },
+    )
