@@ -15,15 +15,16 @@ if TYPE_CHECKING:
     from .errors import BondGraphError
     from .graph import TIME, BondGraph, Output, assemble
     from .linear import LinearSystem, SteadyState, linearize, steady_state
-    from .modes import in_mode
+    from .modes import in_mode, smoothed
     from .parameters import Parameter
-    from .simulation import Outcome, Trajectory, simulate
+    from .simulation import CompiledModel, Outcome, Samples, Trajectory, simulate
 
 _HOME = {
     "BondGraph": "graph",
     "BondGraphError": "errors",
     "C": "elements",
     "CausalGraph": "causality",
+    "CompiledModel": "simulation",
     "Equations": "equations",
     "Friction": "elements",
     "GY": "elements",
@@ -34,6 +35,7 @@ _HOME = {
     "Output": "graph",
     "Parameter": "parameters",
     "R": "elements",
+    "Samples": "simulation",
     "Se": "elements",
     "Sf": "elements",
     "SteadyState": "linear",
@@ -47,6 +49,7 @@ _HOME = {
     "in_mode": "modes",
     "linearize": "linear",
     "simulate": "simulation",
+    "smoothed": "modes",
     "steady_state": "linear",
 }
 

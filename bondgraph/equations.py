@@ -75,8 +75,9 @@ class Equations:
     initial : tuple of Expr
         Default initial value of each state, in parameters.
     contacts : tuple of Contact
-    powers : mapping of str to Expr
-        Power of each source (given) and dissipator (taken), by element.
+    supplied, dissipated : mapping of str to Expr
+        Power given by each source, and taken by each dissipator. Where a
+        storage's law is modulated, the modulation's work counts as supplied.
     energies : mapping of str to Expr or None
         Stored energy of each storage in the equations' variables; None where
         the law has no known potential.
@@ -111,7 +112,8 @@ class Equations:
     outputs: Mapping[str, sympy.Expr]
     initial: tuple[sympy.Expr, ...]
     contacts: tuple[Contact, ...]
-    powers: Mapping[str, sympy.Expr]
+    supplied: Mapping[str, sympy.Expr]
+    dissipated: Mapping[str, sympy.Expr]
     energies: Mapping[str, sympy.Expr | None]
     dependent: Mapping[str, sympy.Expr]
     loops: tuple[AlgebraicLoop, ...]
@@ -287,7 +289,8 @@ class _Derivation:
         self.contacts: list[Contact] = []
         self.dependent: dict[str, sympy.Expr] = {}
         self.storage: dict[str, sympy.Symbol] = {}
-        self.powers: dict[str, sympy.Expr] = {}
+        self.supplied: dict[str, sympy.Expr] = {}
+        self.dissipated: dict[str, sympy.Expr] = {}
         self.effort_out: dict[int, str] = {
             index: stroke.effort_out_of for index, stroke in enumerate(causal.strokes)
         }
@@ -300,6 +303,7 @@ class _Derivation:
         rates = Rates(self.explicit, self.implicit, self.states, self.graph.inputs)
         self._dependent_storages(rates)
         self._stuck_contacts(rates)
+        self._modulated_storages(rates)
         outputs = {name: self._local(output.expression) for name, output in self.graph.outputs.items()}
         ordered = order_and_solve(self.explicit, self.implicit)
         inputs = (*self.graph.inputs, *rates.input_rates.values())
@@ -315,7 +319,8 @@ class _Derivation:
             outputs=outputs,
             initial=tuple(self.initial),
             contacts=tuple(self.contacts),
-            powers=self.powers,
+            supplied=self.supplied,
+            dissipated=self.dissipated,
             energies=self._energies(),
             dependent=self.dependent,
             loops=ordered.loops,
@@ -439,12 +444,12 @@ class _Derivation:
         else:
             self.explicit[self.names[element.f]] = self._local(element.flow)
         gives = -self._towards(name, self.nets.at[name][0])
-        self.powers[name] = gives * self.names[element.e] * self.names[element.f]
+        self.supplied[name] = gives * self.names[element.e] * self.names[element.f]
 
     def _write_dissipator(self, name: str, element: R | Friction) -> None:
         effort, flow = self.names[element.e], self.names[element.f]
         gives_effort = self.effort_out[self.nets.at[name][0]] == name
-        self.powers[name] = effort * flow
+        self.dissipated[name] = effort * flow
         if isinstance(element, Friction):
             if not gives_effort:
                 raise LawError(
@@ -502,6 +507,19 @@ class _Derivation:
             if contact.stuck:
                 self.implicit[contact.effort] = rates.of(contact.slip)
 
+    def _modulated_storages(self, rates: Rates) -> None:
+        """Count the work that a modulation does on a storage, at constant state, as supplied."""
+        for name, element in self.graph.of(Storage):
+            if element.energy is None:
+                continue
+            energy = self._local(element.energy)
+            outside = energy.free_symbols - {self.storage[name]} - set(self.graph.parameters)
+            work = sympy.Add(
+                *(sympy.diff(energy, symbol) * rates.of(symbol) for symbol in sorted(outside, key=str))
+            )
+            if work != 0:
+                self.supplied[f"{name} (modulation)"] = work
+
     def _ports(self) -> dict[str, sympy.Expr]:
         return {
             f"{name}.{key}": self.names[symbol]
@@ -540,7 +558,13 @@ def _assert_closed(equations: Equations) -> None:
         if leftover:
             raise BondGraphError(f"internal error: {symbol} uses {leftover} before it is known; please report the graph")
         known.add(symbol)
-    expressions: list[sympy.Expr] = [*equations.residuals, *equations.derivatives, *equations.outputs.values()]
+    expressions: list[sympy.Expr] = [
+        *equations.residuals,
+        *equations.derivatives,
+        *equations.outputs.values(),
+        *equations.supplied.values(),
+        *equations.dissipated.values(),
+    ]
     expressions += [contact.breakaway for contact in equations.contacts]
     for expression in expressions:
         leftover = expression.free_symbols - known

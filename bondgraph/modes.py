@@ -11,12 +11,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 from types import MappingProxyType
+from typing import Any
 
 import sympy
 
 from .elements import Element, Friction, R, Sf
-from .errors import BondGraphError
+from .errors import BondGraphError, LawError
 from .graph import BondGraph
+from .laws import exact
 
 STICK, SLIP_FORWARD, SLIP_BACKWARD = "stick", "slip+", "slip-"
 CODES: Mapping[str, int] = MappingProxyType({STICK: 0, SLIP_FORWARD: 1, SLIP_BACKWARD: -1})
@@ -82,6 +84,47 @@ def in_mode(graph: BondGraph, modes: Mapping[str, str]) -> BondGraph:
             raise BondGraphError(f"{name!r} has no mode {mode!r}; use {', '.join(CODES)}", elements=[name])
         changed[name] = _frozen_in(element, CODES[mode])
     return replace(graph, elements=MappingProxyType({**graph.elements, **changed}))
+
+
+def smoothed(graph: BondGraph, width: Any) -> BondGraph:
+    """Return the graph with the jump of dry friction replaced by ``tanh(slip / width)``.
+
+    For comparison only: a smooth contact creeps where a real one sticks.
+
+    Parameters
+    ----------
+    graph : BondGraph
+    width : number or Expr
+        Slip over which the friction turns, m/s.
+
+    Returns
+    -------
+    BondGraph
+
+    Raises
+    ------
+    LawError
+        If the width is not positive.
+
+    Examples
+    --------
+    >>> from bondgraph.models import mass_on_belt
+    >>> contacts(smoothed(mass_on_belt.graph(), 1e-3))
+    ()
+    """
+    value = exact(width)
+    if value.is_positive is False:
+        raise LawError(f"the smoothing width is {width}; it must be positive")
+    changed = {name: _smooth(element, value) for name, element in graph.of(Friction)}
+    return replace(graph, elements=MappingProxyType({**graph.elements, **changed}))
+
+
+def _smooth(element: Friction, width: sympy.Expr) -> Friction:
+    def kinetic(speed: sympy.Expr) -> sympy.Expr:
+        return element.kinetic.xreplace({element.speed: speed})
+
+    twin = Friction(element.name, kinetic=kinetic, breakaway=element.breakaway, smoothing=width)
+    return twin.replaced({twin.e: element.e, twin.f: element.f})
 
 
 def _frozen_in(element: Friction, code: int) -> Element:

@@ -12,8 +12,6 @@ Bike braking vibration modelling and measurement, Procedia Engineering 72
 
 from __future__ import annotations
 
-from typing import Any
-
 from bondgraph.elements import TF, Zero
 from bondgraph.graph import BondGraph, assemble
 
@@ -21,14 +19,8 @@ from .bicycle import SYMBOLS as s
 from .bicycle import hydraulic_line, pad_friction, rear_frame, rear_wheel, sheet
 
 
-def graph(smoothing: Any = None) -> BondGraph:
+def graph() -> BondGraph:
     """Build the brake's bond graph.
-
-    Parameters
-    ----------
-    smoothing : number or Expr, optional
-        Slip width in m/s of a tanh that replaces the jump of friction at zero
-        slip; for comparison only. None keeps real sticking.
 
     Returns
     -------
@@ -42,7 +34,7 @@ def graph(smoothing: Any = None) -> BondGraph:
     350.0
     """
     wheel, rear, line = rear_wheel(), rear_frame(), hydraulic_line()
-    friction = pad_friction(line["fluid"].e, smoothing)
+    friction = pad_friction(line["fluid"].e)
     pads = Zero("pads")
     return assemble(
         "bicycle_brake",

@@ -6,8 +6,6 @@ sensitivity that `bicycle_brake` shows.
 
 from __future__ import annotations
 
-from typing import Any
-
 from bondgraph.elements import TF, One, Sf, Zero
 from bondgraph.graph import BondGraph, assemble
 
@@ -15,13 +13,8 @@ from .bicycle import SYMBOLS as s
 from .bicycle import hydraulic_line, pad_friction, rear_frame, sheet
 
 
-def graph(smoothing: Any = None) -> BondGraph:
+def graph() -> BondGraph:
     """Build the frame-only brake's bond graph.
-
-    Parameters
-    ----------
-    smoothing : number or Expr, optional
-        As in `bondgraph.models.bicycle_brake.graph`.
 
     Returns
     -------
@@ -34,7 +27,7 @@ def graph(smoothing: Any = None) -> BondGraph:
     ['F_f', 'N', 'V_c', 'slip', 'x_c']
     """
     rear, line = rear_frame(), hydraulic_line()
-    friction = pad_friction(line["fluid"].e, smoothing)
+    friction = pad_friction(line["fluid"].e)
     pads = Zero("pads")
     return assemble(
         "frame_brake",

@@ -368,6 +368,16 @@ static double level_true(Run *r, double tau)
     return lowest(r, r->probe);
 }
 
+/* Where between a and b three points put the zero, 1/2 where that is not safe. */
+static double inverse_quadratic(double a, double fa, double b, double fb, double c, double fc)
+{
+    if (c == b || fc == fa || fc == fb) return 0.5;
+    const double xi = (a - b) / (c - b), phi = (fa - fb) / (fc - fb);
+    if (!(phi * phi < xi && (1 - phi) * (1 - phi) < 1 - xi)) return 0.5;
+    const double across = fa / (fb - fa) * fc / (fb - fc);
+    return across + (c - a) / (b - a) * fa / (fc - fa) * fb / (fc - fb);
+}
+
 /*
  * Narrows low (level >= 0) and high (level < 0) to within about 2 tol: Chandrupatla's method,
  * started by a secant.
@@ -393,10 +403,7 @@ static void narrow(Run *r, Level level, double *low, double f_low, double *high,
         }
         a = x;
         fa = f;
-        const double xi = (a - b) / (c - b), phi = (fa - fb) / (fc - fb);
-        part = 0.5;
-        if (phi * phi < xi && (1 - phi) * (1 - phi) < 1 - xi)
-            part = fa / (fb - fa) * fc / (fb - fc) + (c - a) / (b - a) * fa / (fc - fa) * fb / (fc - fb);
+        part = inverse_quadratic(a, fa, b, fb, c, fc);
     }
     *low = fa >= 0 ? a : b;
     *high = fa >= 0 ? b : a;
@@ -424,33 +431,97 @@ static int first_below(Run *r)
     return 5;
 }
 
-/* Fourth difference of a guard over the step: what a cubic through the samples would miss. */
-static double roughness(const Run *r, i64 j)
+/*
+ * A guard over the step as smooth curves through its five samples: slipping, g = s*a; stuck,
+ * g = b - |a| with b the breakaway force. (g itself has a kink where a changes sign.) Curves are
+ * kept as Newton's forward differences: d[4] is what a cubic would miss.
+ */
+typedef struct {
+    double a[5], b[5], s;
+} Curve;
+
+static void difference(double *d)
 {
-    return fabs(r->sample[0][j] - 4 * r->sample[1][j] + 6 * r->sample[2][j] - 4 * r->sample[3][j]
-                + r->sample[4][j]);
+    for (int order = 1; order < 5; order++)
+        for (int c = 4; c >= order; c--) d[c] -= d[c - 1];
+}
+
+static Curve make_curve(const Run *r, i64 j)
+{
+    Curve curve = {.s = r->code[j]};
+    for (int c = 0; c < 5; c++) {
+        curve.a[c] = r->sample[c][r->k + j];
+        curve.b[c] = curve.s != 0 ? 0 : r->sample[c][j] + fabs(curve.a[c]);
+    }
+    difference(curve.a);
+    difference(curve.b);
+    return curve;
+}
+
+/* Value at z quarters of the step. */
+static double quartic(const double *d, double z)
+{
+    return d[0] + z * (d[1] + (z - 1) / 2 * (d[2] + (z - 2) / 3 * (d[3] + (z - 3) / 4 * d[4])));
+}
+
+static double on_curve(const Curve *c, double z)
+{
+    const double a = quartic(c->a, z);
+    return c->s != 0 ? c->s * a : quartic(c->b, z) - fabs(a);
+}
+
+static double roughness(const Curve *c) { return fabs(c->a[4]) + fabs(c->b[4]); }
+
+/* Bound of the second differences anywhere in the step. */
+static double bend(const Curve *c)
+{
+    double sum = 0;
+    for (int order = 2; order < 5; order++)
+        sum += (order - 1) * (fabs(c->a[order]) + fabs(c->b[order]));
+    return sum;
+}
+
+/* Where between two samples, in quarters of the step, a curve is lowest; 0 if at the ends. */
+static double lowest_inside(const Curve *curve, int from, int to, double *value)
+{
+    const double dz = 0.125;
+    int at = 8 * from;
+    double least = INFINITY;
+    for (int i = 8 * from; i <= 8 * to; i++) {
+        const double g = on_curve(curve, dz * i);
+        if (g < least) {
+            least = g;
+            at = i;
+        }
+    }
+    if (at == 8 * from || at == 8 * to) return 0;
+    const double left = on_curve(curve, dz * (at - 1)), right = on_curve(curve, dz * (at + 1));
+    const double tilt = 0.5 * (right - left), turn = left - 2 * least + right;
+    *value = least - (turn > 0 ? 0.5 * tilt * tilt / turn : 0);
+    return dz * (at - (turn > 0 ? tilt / turn : 0));
 }
 
 /*
- * A dip below zero between samples that are all above it: tried at the vertex of the parabola
- * through three samples where that may reach zero. Returns the fraction of the step, 0 if none, and
- * the sample before it.
+ * A dip below zero between samples that are all above it: predicted from the curves, tried on the
+ * interpolant. Returns the fraction of the step, 0 if none, and the sample before it.
  */
 static double find_dip(Run *r, int before, int *low)
 {
-    for (int c = 1; c < 4 && c < before; c++)
-        for (i64 j = 0; j < r->k; j++) {
-            const double left = r->sample[c - 1][j], g = r->sample[c][j], right = r->sample[c + 1][j];
-            if (!(left > r->noise[j] && g <= left && g <= right)) continue;
-            const double bend = left - 2 * g + right, tilt = 0.5 * (right - left);
-            if (!(bend > 0) || g - 0.5 * tilt * tilt / bend > 0.1 * roughness(r, j)) continue;
-            const double part = 0.25 * (c - tilt / bend);
-            arm_until(r, c - 1);
-            if (level_dense(r, part * r->h_used) < 0) {
-                *low = c - 1;
-                return part;
-            }
+    for (i64 j = 0; j < r->k; j++) {
+        int from = 0;
+        double least = INFINITY, value = 0;
+        while (from < before && !r->armed[j] && !(r->sample[from][j] > r->noise[j])) from++;
+        for (int c = from; c < before; c++) least = smaller(least, r->sample[c][j]);
+        const Curve curve = make_curve(r, j);
+        if (least > 0.25 * bend(&curve)) continue;
+        const double z = lowest_inside(&curve, from, before - 1, &value);
+        if (z == 0 || value > 0.1 * roughness(&curve)) continue;
+        arm_until(r, (int)z);
+        if (level_dense(r, 0.25 * z * r->h_used) < 0) {
+            *low = (int)z;
+            return 0.25 * z;
         }
+    }
     return 0;
 }
 
@@ -460,11 +531,12 @@ static int guards_unresolved(const Run *r)
     for (i64 j = 0; j < r->k; j++) {
         double least = INFINITY, change = 0;
         if (!r->armed[j]) continue;
+        const Curve curve = make_curve(r, j);
         for (int c = 0; c < 5; c++) least = smaller(least, r->sample[c][j]);
         for (int c = 1; c < 5; c++)
-            change = larger(change, fabs(r->sample[c][j] - r->sample[c - 1][j]));
-        const double rough = roughness(r, j);
-        if (rough > 0.5 * change && rough > least) return 1;
+            change = larger(change, fabs(r->sample[c][r->k + j] - r->sample[c - 1][r->k + j]));
+        const double rough = roughness(&curve);
+        if (rough > 0.1 * change && rough > 0.5 * least) return 1;
     }
     return 0;
 }

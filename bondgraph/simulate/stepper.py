@@ -54,8 +54,11 @@ D = np.array(
         69997945 / 29380423,
     ]
 )
-# Fourth difference of five samples.
-ROUGH = np.array([1.0, -4.0, 6.0, -4.0, 1.0])
+# Newton's forward differences of five samples.
+DIFFERENCES = np.array(
+    [[1, 0, 0, 0, 0], [-1, 1, 0, 0, 0], [1, -2, 1, 0, 0], [-1, 3, -3, 1, 0], [1, -4, 6, -4, 1]],
+    dtype=float,
+)
 
 Array = np.ndarray
 Model = Callable[[float, Array, Array, Array, Array], Array]
@@ -286,27 +289,39 @@ class Stepper:
         self.arm_until(4)
         return 5
 
+    def curves(self) -> tuple[Array, Array]:
+        """Forward differences, (5, k), of a and of the breakaway force (0 when slipping)."""
+        a = self.sample[:, self.k :]
+        b = np.where(self.code != 0, 0.0, self.sample[:, : self.k] + np.abs(a))
+        return DIFFERENCES @ a, DIFFERENCES @ b
+
     def find_dip(self, before: int) -> tuple[int, float] | None:
         """A dip below zero between samples above it: the sample before, the fraction."""
-        g, rough = self.sample[:, : self.k], np.abs(ROUGH @ self.sample[:, : self.k])
-        for c in range(1, min(4, before)):
-            left, here, right = g[c - 1], g[c], g[c + 1]
-            bend, tilt = left - 2 * here + right, 0.5 * (right - left)
-            low = (left > self.noise) & (here <= left) & (here <= right) & (bend > 0)
-            for j in np.flatnonzero(low):
-                if here[j] - 0.5 * tilt[j] * tilt[j] / bend[j] > 0.1 * rough[j]:
-                    continue
-                part = 0.25 * (c - float(tilt[j] / bend[j]))
-                self.arm_until(c - 1)
-                if self.level_dense(part * self.h_used) < 0:
-                    return c - 1, part
+        a, b = self.curves()
+        rough = np.abs(a[4]) + np.abs(b[4])
+        bend = np.array([1.0, 2.0, 3.0]) @ (np.abs(a[2:]) + np.abs(b[2:]))
+        for j in range(self.k):
+            g = self.sample[:before, j]
+            rose = np.flatnonzero(self.armed[j] | (g > self.noise[j]))
+            start = int(rose[0]) if len(rose) else before
+            if start >= before or g[start:].min() > 0.25 * bend[j]:
+                continue
+            found = _lowest_inside(a[:, j], b[:, j], int(self.code[j]), start, before - 1)
+            if found is None or found[1] > 0.1 * rough[j]:
+                continue
+            z = found[0]
+            self.arm_until(int(z))
+            if self.level_dense(0.25 * z * self.h_used) < 0:
+                return int(z), 0.25 * z
         return None
 
     def guards_unresolved(self) -> bool:
         """Whether a dip below zero could hide between the samples."""
-        g = self.sample[:, : self.k]
-        rough, change = np.abs(ROUGH @ g), np.abs(np.diff(g, axis=0)).max(axis=0)
-        return bool(np.any(self.armed & (rough > 0.5 * change) & (rough > g.min(axis=0))))
+        a, b = self.curves()
+        rough = np.abs(a[4]) + np.abs(b[4])
+        change = np.abs(np.diff(self.sample[:, self.k :], axis=0)).max(axis=0)
+        least = self.sample[:, : self.k].min(axis=0)
+        return bool(np.any(self.armed & (rough > 0.1 * change) & (rough > 0.5 * least)))
 
     def locate(self, h: float, low: float, high: float) -> bool:
         """The event in (low, high]; false when the step was cut at `high` instead."""
@@ -401,7 +416,7 @@ class Stepper:
                 raise _End(Outcome.NON_FINITE)
             load = np.abs(g[k:])
             excess = np.where((code == 0) & (g[:k] < -noise[:k]), -g[:k] / load, 0.0)
-            if k == 0 or not excess.max() > 0:
+            if not excess.max() > 0:
                 return
             worst = int(np.argmax(excess))
             code[worst] = _signs(g[k + worst])
@@ -495,7 +510,7 @@ class Stepper:
     def next_stop(self) -> float:
         """The time that no step may cross."""
         ahead = self.knot + 1
-        return min(self.knots[ahead], self.t_end) if ahead < len(self.knots) else self.t_end
+        return min(float(self.knots[ahead]), self.t_end) if ahead < len(self.knots) else self.t_end
 
     def step(self) -> None:
         """Try one step; take it, with the event at its end, if it is good."""
@@ -617,10 +632,40 @@ def _narrow(
         else:
             c, fc, b, fb = b, fb, a, fa
         a, fa = x, f
-        xi, phi = (a - b) / (c - b), (fa - fb) / (fc - fb)
-        part = 0.5
-        if phi * phi < xi and (1 - phi) * (1 - phi) < 1 - xi:
-            part = fa / (fb - fa) * fc / (fb - fc) + (c - a) / (b - a) * fa / (fc - fa) * fb / (
-                fc - fb
-            )
+        part = _inverse_quadratic(a, fa, b, fb, c, fc)
     return (a, fa, b, fb) if fa >= 0 else (b, fb, a, fa)
+
+
+def _inverse_quadratic(a: float, fa: float, b: float, fb: float, c: float, fc: float) -> float:
+    """Where between a and b three points put the zero, 1/2 where that is not safe."""
+    if c == b or fc in (fa, fb):
+        return 0.5
+    xi, phi = (a - b) / (c - b), (fa - fb) / (fc - fb)
+    if not (phi * phi < xi and (1 - phi) * (1 - phi) < 1 - xi):
+        return 0.5
+    across = fa / (fb - fa) * fc / (fb - fc)
+    return across + (c - a) / (b - a) * fa / (fc - fa) * fb / (fc - fb)
+
+
+def _quartic(d: Array, z: Array) -> Array:
+    """Value at z quarters of the step of the curve with these forward differences."""
+    return d[0] + z * (d[1] + (z - 1) / 2 * (d[2] + (z - 2) / 3 * (d[3] + (z - 3) / 4 * d[4])))
+
+
+def _lowest_inside(
+    a: Array, b: Array, code: int, start: int, stop: int
+) -> tuple[float, float] | None:
+    """Where between two samples, in quarters of the step, a guard is lowest, and how low."""
+
+    def on_curve(z: Array) -> Array:
+        return code * _quartic(a, z) if code else _quartic(b, z) - np.abs(_quartic(a, z))
+
+    z = 0.125 * np.arange(8 * start, 8 * stop + 1)
+    g = on_curve(z)
+    at = int(np.argmin(g))
+    if at in (0, len(g) - 1):
+        return None
+    left, least, right = (float(value) for value in g[at - 1 : at + 2])
+    tilt, turn = 0.5 * (right - left), left - 2 * least + right
+    shift = tilt / turn if turn > 0 else 0.0
+    return float(z[at]) - 0.125 * shift, least - 0.5 * tilt * shift

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import sympy
 
 from bondgraph.elements import C, Friction, I, One, R, Se, Sf, Zero
@@ -93,15 +91,13 @@ def hydraulic_line(name: str = "line") -> BondGraph:
     return assemble(name, Se("lever", s.p_l) >> flow >> (R("hose", s.R_h), C("fluid", s.C_h)))
 
 
-def pad_friction(pressure: sympy.Symbol, smoothing: Any = None) -> Friction:
+def pad_friction(pressure: sympy.Symbol) -> Friction:
     """Pads on the rotor, pressed by the fluid.
 
     Parameters
     ----------
     pressure : Symbol
         Port variable of the fluid, Pa.
-    smoothing : number or Expr, optional
-        Slip width of the tanh form, m/s, for comparison only.
 
     Returns
     -------
@@ -117,4 +113,4 @@ def pad_friction(pressure: sympy.Symbol, smoothing: Any = None) -> Friction:
     def kinetic(speed: sympy.Expr) -> sympy.Expr:
         return stribeck(speed, normal=normal, mu_s=s.mu_s, mu_k=s.mu_k, v_s=s.v_s)
 
-    return Friction("friction", kinetic=kinetic, smoothing=smoothing)
+    return Friction("friction", kinetic=kinetic)

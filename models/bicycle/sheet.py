@@ -16,6 +16,7 @@ PAPER = "Procedia Engineering 72 (2014) 471-476"
 READING = f"{PAPER}, as read in docs/brake.md"
 DERIVED = "derived"
 ASSUMED = "engineering estimate; does not enter the brake's motion"
+FREE = "free: only R_h C_h = tau counts; small, so that the line's energy does not blur the brake's"
 
 
 def _symbols() -> SimpleNamespace:
@@ -67,7 +68,7 @@ def sheet() -> dict[sympy.Symbol, Parameter]:
         s.N0: Parameter(s.F_k / s.mu_k, "N", "normal force of both pads at full lever", DERIVED),
         s.J_t: Parameter(0.11, "kg*m^2", "inertia of tyre and rim, behind the imposed speed", ASSUMED),
         s.A_p: Parameter(7.6e-4, "m^2", "piston area of both pads (two pistons of 22 mm)", ASSUMED),
-        s.C_h: Parameter(3e-15, "m^3/Pa", "compliance of the brake fluid (5 cm^3 at 1.6 GPa)", ASSUMED),
+        s.C_h: Parameter(1e-18, "m^3/Pa", "compliance of the brake fluid", FREE),
         s.p_l: Parameter(s.N0 / s.A_p, "Pa", "lever pressure", DERIVED),
         s.R_h: Parameter(s.tau / s.C_h, "Pa*s/m^3", "flow resistance of the brake line", DERIVED),
     }

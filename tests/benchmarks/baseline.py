@@ -23,7 +23,10 @@ from numpy.typing import NDArray
 
 SOURCE = Path(__file__).with_name("brake_automaton.c")
 FLAGS = ("-O2", "-march=native", "-shared", "-fPIC", "-DNO_MAIN")
-NAMES = "k_f k_w f_f f_w r_r r_t zeta_f zeta_w V0 mu_s mu_k v_s F_k tau".split()
+NAMES = (
+    *("k_f", "k_w", "f_f", "f_w", "r_r", "r_t", "zeta_f", "zeta_w"),
+    *("V0", "mu_s", "mu_k", "v_s", "F_k", "tau"),
+)
 MODES = {0: "stick", 1: "slip+", -1: "slip-"}
 MAX_EVENTS = 4096
 

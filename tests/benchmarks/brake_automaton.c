@@ -49,7 +49,8 @@ static inline double lesser(double a, double b) { return a < b ? a : b; }
 
 static Brake derive(const double *p)
 {
-    const double k_f = p[0], k_w = p[1], f_f = p[2], f_w = p[3], r = p[4], zeta_f = p[6], zeta_w = p[7];
+    const double k_f = p[0], k_w = p[1], f_f = p[2], f_w = p[3], r = p[4];
+    const double zeta_f = p[6], zeta_w = p[7];
     const double V0 = p[8], mu_s = p[9], mu_k = p[10], v_s = p[11], F_k = p[12], tau = p[13];
     Brake b;
     b.r = r;
@@ -129,7 +130,8 @@ static inline v4 greater_size(v4 a, v4 b)
 
 /* Take one Dormand-Prince step of length h; returns the squared error norm. `mode` is a constant
  * at both calls, so each gets its own straight code. */
-static inline __attribute__((always_inline)) double attempt(const Run *s, int mode, double h, Step *o)
+static inline __attribute__((always_inline)) double attempt(const Run *s, int mode, double h,
+                                                            Step *o)
 {
     const Brake *b = s->b;
     const v4 y = s->y, k1 = s->k1;
@@ -332,8 +334,9 @@ static double next_length(Run *s, double h, double error)
 /* Run with everything: start may be NULL (steady rolling), energies may be NULL (not computed).
  * events holds max_events rows: time, mode entered (0, 1, -1). Returns the number of events (which
  * may exceed max_events) or a negative code. n_out >= 2 rows at equal distance from 0 to t_end. */
-int brake_run_full(const double *params, const double *start, double t_end, double rtol, double atol,
-                   int n_out, double *out, double *events, int max_events, double *energies)
+int brake_run_full(const double *params, const double *start, double t_end, double rtol,
+                   double atol, int n_out, double *out, double *events, int max_events,
+                   double *energies)
 {
     const Brake b = derive(params);
     const double f_max = greater(params[2], params[3]), dt = t_end / (n_out - 1);
@@ -368,10 +371,13 @@ int brake_run_full(const double *params, const double *start, double t_end, doub
                 return STEP_UNDERFLOW;
             continue;
         }
-        const double x = first_event(&s, &o);
+        double x = first_event(&s, &o);
         if (x < 0) {
-            s.h = 0.1 * h;
-            continue;
+            if (h > 1e-12 * t_end) {
+                s.h = 0.1 * h;
+                continue;
+            }
+            x = 2;                             /* too short a step to tell rounding from motion */
         }
         const double until = x <= 1 ? s.t + x * h : s.t + h;
         const double inv_h = 1 / h, edge = last && x > 1 ? t_end * 2 : until;
@@ -405,10 +411,11 @@ int brake_run_full(const double *params, const double *start, double t_end, doub
 }
 
 /* The plain entry: default start, absolute tolerance a thousandth of the relative, no energies. */
-int brake_run(const double *params, double t_end, double rtol, int n_out, double *out, double *events,
-              int max_events)
+int brake_run(const double *params, double t_end, double rtol, int n_out, double *out,
+              double *events, int max_events)
 {
-    return brake_run_full(params, NULL, t_end, rtol, 1e-3 * rtol, n_out, out, events, max_events, NULL);
+    return brake_run_full(params, NULL, t_end, rtol, 1e-3 * rtol, n_out, out, events, max_events,
+                          NULL);
 }
 
 #ifndef NO_MAIN

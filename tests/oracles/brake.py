@@ -30,6 +30,9 @@ Array = NDArray[np.float64]
 
 STATES = ("omega_r", "V_c", "theta_w", "x_c")
 ENERGIES = ("road", "bt", "bf", "friction")
+NOISE = 1e-13
+"""Guards below this share of their scale are taken for zero where a mode starts."""
+
 SIGN: dict[Mode, float] = {"slip+": 1.0, "slip-": -1.0}
 
 
@@ -195,8 +198,10 @@ class Run:
         return [e.t for e in self.events if "stick" not in (e.left, e.entered)]
 
     def cycle_frequency(self, cycles: int = 4) -> float:
-        """Mean frequency over the last `cycles` intervals between sticks, Hz."""
+        """Mean frequency over the last `cycles` intervals between sticks, Hz; nan without any."""
         last = self.stick_times[-cycles - 1 :]
+        if len(last) < 2:
+            return math.nan
         return (len(last) - 1) / (last[-1] - last[0])
 
 
@@ -304,7 +309,7 @@ class _Solution:
         solver = DOP853(
             rates, self.t, self.y, self.t_end, self.max_step, self.rtol, 0.1 * self.rtol * scales
         )
-        armed = [g.value(self.t, self.y) > 1e-12 * g.scale(self.t) for g in guards]
+        armed = [bool(g.value(self.t, self.y) > NOISE * g.scale(self.t)) for g in guards]
         if self.mode in SIGN and self.events and self.events[-1].left == "stick":
             armed = [False]
         before, f0 = solver.t, np.array(solver.f)
@@ -330,7 +335,7 @@ class _Solution:
             bracket = self._bracket(step, guard, armed[i])
             if bracket is not None:
                 found.append(step.root(guard.value, *bracket))
-            armed[i] = True
+            armed[i] = armed[i] or guard.value(step.t1, step.y1) > NOISE * guard.scale(step.t1)
         return min(found, default=None)
 
     def _bracket(self, step: _Step, guard: _Guard, armed: bool) -> tuple[float, float] | None:
@@ -338,11 +343,12 @@ class _Solution:
         a, b = step.t0, step.t1
         if not armed:
             # the guard starts at zero, often with zero rate, so its sign there is noise
-            if guard.value(b, step.y1) > 0:
+            noise = NOISE * guard.scale(b)
+            if guard.value(b, step.y1) >= -noise:
                 return None
-            ahead = [t for t in np.linspace(a, b, 33)[1:] if guard.value(t, step.state(t)) > 0]
+            ahead = [t for t in np.linspace(a, b, 33)[1:] if guard.value(t, step.state(t)) > noise]
             if not ahead:
-                raise RuntimeError(f"mode {self.mode} entered at t = {a!r} s cannot be left")
+                raise RuntimeError(f"mode {self.mode} entered at t = {a!r} s turns against itself")
             return ahead[0], b
         if guard.value(b, step.y1) <= 0:
             return a, b
@@ -408,6 +414,19 @@ class _Step:
         return float(brentq(lambda t: value(t, self.state(t)), a, b, xtol=1e-16, rtol=1e-14))
 
 
+def starting_state(p: Brake, initial: Mapping[str, float]) -> list[float]:
+    """`Brake.start` with some states, by name, put elsewhere.
+
+    Raises
+    ------
+    KeyError
+        if a name is not one of `STATES`
+    """
+    if unknown := set(initial) - set(STATES):
+        raise KeyError(f"no such state: {', '.join(sorted(unknown))}")
+    return [initial.get(name, value) for name, value in zip(STATES, p.start, strict=True)]
+
+
 def _scales(p: Brake, t_end: float) -> Array:
     """Magnitude of each state and each energy, for the absolute tolerance."""
     work = p.F_k * p.V0 * t_end
@@ -448,7 +467,7 @@ def solve(
     that an error of that size may change the number of events.
     """
     y = np.zeros(8)
-    y[:4] = [(initial or {}).get(name, value) for name, value in zip(STATES, brake.start)]
+    y[:4] = starting_state(brake, initial or {})
     run = _Solution(
         brake=brake,
         t_end=t_end,
@@ -462,7 +481,7 @@ def solve(
     first, stored = run.mode, brake.stored(y)
     while run.advance():
         pass
-    energies = dict(zip(ENERGIES, run.y[4:].tolist()))
+    energies = dict(zip(ENERGIES, run.y[4:].tolist(), strict=True))
     energies["stored"] = brake.stored(run.y) - stored
     energies["residual"] = (
         energies["road"] - energies["stored"] - sum(energies[k] for k in ENERGIES[1:])
@@ -511,18 +530,18 @@ def frame_matrix(p: Brake, slope: float | None = None) -> Array:
     return np.array([[-(p.b_f + c) / p.m_f, -p.k_f / p.m_f], [1, 0]])
 
 
-def stuck_modes(p: Brake) -> Array:
+def stuck_modes(p: Brake) -> NDArray[np.complex128]:
     """Eigenvalues with rotor and pads stuck, complex, 1/s, ordered as `modes` orders them."""
     mass = p.m_f + p.J_r / p.r_r**2
     damping, stiffness = p.b_f + p.b_t / p.r_r**2, p.k_f + p.k_w
     return modes(np.array([[-damping / mass, -stiffness / mass], [1, 0]]))
 
 
-def modes(matrix: Array) -> Array:
+def modes(matrix: Array) -> NDArray[np.complex128]:
     """Eigenvalues with positive imaginary part, slowest first, 1/s."""
     values = np.linalg.eigvals(matrix)
     values = values[values.imag > 0]
-    return values[np.argsort(values.imag)]
+    return np.asarray(values[np.argsort(values.imag)], dtype=complex)
 
 
 class Hopf(NamedTuple):

@@ -60,7 +60,7 @@ class Conditioning:
     ----------
     margin : least dimensionless distance to another order of events, as `brake.solve` defines it
     spread : greatest change of the first stick and slip times between rtol 1e-12 and 1e-9, s
-    gain : greatest change of any event time, in s, over the relative change of parameters causing it
+    gain : greatest change of any event time, s, over the relative change of parameters causing it
     clearance : time between `t_end` and the event nearest to it, s
     """
 
@@ -73,10 +73,7 @@ class Conditioning:
     def sound(self) -> bool:
         """Whether another solver at moderate accuracy must find the same number of events."""
         return (
-            self.margin > 1e-2
-            and self.spread < 1e-8
-            and self.gain < 5.0
-            and self.clearance > 1e-4
+            self.margin > 1e-2 and self.spread < 1e-8 and self.gain < 5.0 and self.clearance > 1e-4
         )
 
 
@@ -113,7 +110,7 @@ def condition(case: Case, run: Run) -> Conditioning | None:
         return None
 
     def change(other: Run, count: int | None) -> float:
-        pairs = zip(run.events[:count], other.events[:count])
+        pairs = zip(run.events[:count], other.events[:count], strict=True)
         return max((abs(a.t - b.t) for a, b in pairs), default=0.0)
 
     return Conditioning(
@@ -137,7 +134,9 @@ def parameter_sets(n: int, seed: int) -> list[Solved]:
     return list(islice(_sound(lambda: Case(draw(rng), "drawn")), n))
 
 
-def _sound(make: Callable[[], Case], accept: Callable[[Run], bool] = lambda run: True) -> Iterator[Solved]:
+def _sound(
+    make: Callable[[], Case], accept: Callable[[Run], bool] = lambda run: True
+) -> Iterator[Solved]:
     while True:
         solved = judge(make())
         if solved is not None and accept(solved.run):
@@ -147,10 +146,10 @@ def _sound(make: Callable[[], Case], accept: Callable[[Run], bool] = lambda run:
 def varied_sets(seed: int) -> list[Solved]:
     """The stored choice: every kind of behaviour the automaton can show, some of it several times.
 
-    ``quiet`` never sticks, ``brief`` sticks one to five times, ``cycle`` keeps sticking, ``coulomb``
-    has equal coefficients of friction, ``crossing`` starts with a ringing frame whose slip reverses
-    under light pads, and two ``tau`` cases differ in the rate of application alone: one settles,
-    one keeps its limit cycle, so steady sliding and the cycle coexist.
+    ``quiet`` never sticks, ``brief`` sticks one to five times, ``cycle`` keeps sticking,
+    ``coulomb`` has equal coefficients of friction, ``crossing`` starts with a ringing frame whose
+    slip reverses under light pads, and two ``tau`` cases differ in the rate of application alone:
+    one settles, one keeps its limit cycle, so steady sliding and the cycle coexist.
     """
     rng = np.random.default_rng(seed)
 

@@ -1,0 +1,262 @@
+"""The commands: each reads its options, calls the library, and shows the result."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from . import options as opt
+
+if TYPE_CHECKING:
+    from bondgraph.graph import BondGraph
+    from bondgraph.simulation import Samples, Trajectory
+
+
+@click.command()
+@opt.json_option
+@opt.debug_option
+def models(as_json: bool) -> None:
+    """List the model library."""
+    from bondgraph.models import LIBRARY
+
+    if as_json:
+        rows = [{"name": name, "description": text} for name, text in LIBRARY.items()]
+        opt.print_json({"schema": 1, "models": rows})
+        return
+    width = max(map(len, LIBRARY))
+    for name, text in LIBRARY.items():
+        click.echo(f"{name:<{width}}  {text}")
+
+
+@click.command()
+@opt.model_argument
+@click.option("--svg", type=click.Path(dir_okay=False, path_type=Path), help="Draw the graph into this file.")
+@opt.json_option
+@opt.debug_option
+def show(model: str, svg: Path | None, as_json: bool) -> None:
+    """Show a model: elements, bonds with their causality, parameters."""
+    from bondgraph.causality import assign_causality
+
+    from .load import load_model
+    from .show import as_json_object, as_tables
+
+    causal = assign_causality(load_model(model))
+    if svg is not None:
+        from bondgraph.draw import to_svg
+
+        svg.write_text(to_svg(causal), encoding="utf-8")
+    if as_json:
+        opt.print_json(as_json_object(causal))
+    else:
+        as_tables(causal)
+        if svg is not None:
+            click.echo(f"drawing: {svg}")
+
+
+@click.command()
+@opt.model_argument
+@click.option(
+    "--format", "form", type=click.Choice(["text", "latex", "json"]), default="text", help="What to print."
+)
+@opt.set_option
+@click.option("--json", "as_json", is_flag=True, help="The same as --format json.")
+@opt.debug_option
+def equations(model: str, form: str, settings: tuple[str, ...], as_json: bool) -> None:
+    """Derive and print a model's equations."""
+    from bondgraph import text
+    from bondgraph.equations import derive
+    from bondgraph.parameters import resolve
+
+    from .load import load_model
+
+    graph = load_model(model)
+    values = resolve(graph.parameters, opt.read_settings(settings), partial=True)
+    derived = derive(graph)
+    if as_json or form == "json":
+        opt.print_json(text.to_json(derived, values))
+    else:
+        click.echo(text.to_latex(derived) if form == "latex" else text.to_text(derived))
+
+
+@click.command()
+@opt.model_argument
+@click.option("--until", required=True, metavar="T", help="End of the run, s.")
+@click.option("--rtol", default="1e-6", metavar="R", help="Relative tolerance (default 1e-6).")
+@opt.set_option
+@click.option("--initial", "start", multiple=True, metavar="NAME=VALUE", help="Initial state. Repeatable.")
+@click.option("--input", "files", multiple=True, metavar="NAME=FILE.csv", help="Input over time, or NAME=VALUE.")
+@click.option("--points", type=click.IntRange(2, 10_000_000), help="Report this many even times (default: steps).")
+@click.option("--smooth", metavar="WIDTH", help="For comparison: tanh friction of this slip width, m/s.")
+@click.option("--backend", type=click.Choice(["auto", "native", "vm"]), default="auto", help="Compiled C or not.")
+@click.option("--out", type=click.Path(dir_okay=False, path_type=Path), help="Write signals to FILE.csv or FILE.nc.")
+@click.option("--plot", type=click.Path(dir_okay=False, path_type=Path), help="Plot the outputs to FILE.svg or .png.")
+@opt.json_option
+@opt.debug_option
+def simulate(
+    model: str,
+    until: str,
+    rtol: str,
+    settings: tuple[str, ...],
+    start: tuple[str, ...],
+    files: tuple[str, ...],
+    points: int | None,
+    smooth: str | None,
+    backend: str,
+    out: Path | None,
+    plot: Path | None,
+    as_json: bool,
+) -> int:
+    """Simulate a model from time zero."""
+    end = opt.read_number(until, "--until")
+    tolerance = opt.read_number(rtol, "--rtol")
+    if end <= 0:
+        raise click.UsageError(f"--until {until}: the run must end after zero")
+    values, initial = opt.read_settings(settings), opt.read_settings(start, "--initial")
+    if out is not None and out.suffix not in (".csv", ".nc"):
+        raise click.UsageError(f"--out {out}: use the ending .csv or .nc")
+    from bondgraph.modes import smoothed
+    from bondgraph.simulation import simulate as run
+
+    from .load import load_model
+
+    graph = load_model(model)
+    if smooth is not None:
+        graph = smoothed(graph, opt.read_number(smooth, "--smooth"))
+    grid = None if points is None else [end * index / (points - 1) for index in range(points)]
+    trajectory = run(
+        graph,
+        (0.0, end),
+        values,
+        initial,
+        _read_inputs(graph, files),
+        t_eval=grid,
+        rtol=tolerance,
+        backend=backend,
+    )
+    if out is not None:
+        trajectory.save(out)
+    if plot is not None:
+        _plot(trajectory, plot)
+    return _report_run(trajectory, as_json, [path for path in (out, plot) if path is not None])
+
+
+def _read_inputs(graph: BondGraph, words: tuple[str, ...]) -> dict[str, float | Samples]:
+    from bondgraph.parameters import unknown_name
+    from bondgraph.simulation import Samples
+
+    units = {symbol.name: unit for symbol, unit in graph.inputs.items()}
+    inputs: dict[str, float | Samples] = {}
+    for word in words:
+        name, equals, text = word.partition("=")
+        if not equals or not text:
+            raise click.UsageError(f"--input {word!r}: write NAME=FILE.csv or NAME=VALUE")
+        if name not in units:
+            raise unknown_name("input", name, units)
+        if text.endswith(".csv"):
+            inputs[name] = Samples.read(text, name, units[name])
+        else:
+            inputs[name] = opt.read_number(text, f"--input {name}")
+    return inputs
+
+
+def _plot(trajectory: Trajectory, path: Path) -> None:
+    from bondgraph.plot import save, time_response
+
+    save(time_response(trajectory), path)
+
+
+def _report_run(trajectory: Trajectory, as_json: bool, written: list[Path]) -> int:
+    from .show import run_json, run_tables
+
+    if as_json:
+        opt.print_json(run_json(trajectory))
+    else:
+        run_tables(trajectory)
+        for path in written:
+            click.echo(f"written: {path}")
+    if not trajectory.outcome.ok:
+        click.echo(
+            f"bondgraph: the run stopped at {trajectory.t_end:.9g} s: {trajectory.outcome.value}; "
+            f"{trajectory.outcome.advice}",
+            err=True,
+        )
+        return 1
+    return 0
+
+
+@click.command()
+@opt.model_argument
+@opt.set_option
+@click.option("--input", "files", multiple=True, metavar="NAME=VALUE", help="Constant input. Repeatable.")
+@click.option("--mode", "fixed", multiple=True, metavar="NAME=MODE", help="Hold a contact in stick, slip+ or slip-.")
+@click.option("--vary", multiple=True, metavar="NAME=LO:HI:N", help="Follow the eigenvalues along a parameter.")
+@click.option("--report", type=click.Path(file_okay=False, path_type=Path), help="Write an HTML report here.")
+@opt.json_option
+@opt.debug_option
+def stability(
+    model: str,
+    settings: tuple[str, ...],
+    files: tuple[str, ...],
+    fixed: tuple[str, ...],
+    vary: tuple[str, ...],
+    report: Path | None,
+    as_json: bool,
+) -> None:
+    """Find the steady state, its eigenvalues, and what decides them."""
+    values = opt.read_settings(settings)
+    ranges = opt.read_vary(vary)
+    from bondgraph.stability import assess
+
+    from .load import load_model
+    from .show import stability_tables
+
+    graph = load_model(model)
+    result = assess(
+        graph,
+        values,
+        inputs=opt.read_settings(files, "--input"),
+        modes=_read_modes(fixed),
+        vary=_ranges(graph, ranges),
+    )
+    page = None
+    if report is not None:
+        from bondgraph.report import write_report
+
+        page = write_report(result, report)
+    if as_json:
+        opt.print_json(result.to_json())
+        return
+    stability_tables(result)
+    if page is not None:
+        click.echo(f"report: {page}")
+
+
+def _read_modes(words: tuple[str, ...]) -> dict[str, str]:
+    modes = {}
+    for word in words:
+        name, equals, mode = word.rpartition("=")
+        if not equals:
+            raise click.UsageError(f"--mode {word!r}: write NAME=stick, NAME=slip+ or NAME=slip-")
+        modes[name] = mode
+    return modes
+
+
+def _ranges(graph: BondGraph, ranges: list[tuple[str, float, float, int, str | None]]) -> list[Any]:
+    """Convert the ends of each range to SI."""
+    from bondgraph.parameters import unknown_name
+    from bondgraph.stability import Vary
+    from bondgraph.units import to_si
+
+    table = {symbol.name: row for symbol, row in graph.parameters.items()}
+    found = []
+    for name, low, high, count, unit in ranges:
+        if name not in table:
+            raise unknown_name("parameter", name, table)
+        ends = [end if unit is None else to_si(end, unit, expected=table[name].unit) for end in (low, high)]
+        found.append(Vary(name, ends[0], ends[1], count))
+    return found
+
+
+ALL = (models, show, equations, simulate, stability)

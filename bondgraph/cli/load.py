@@ -1,0 +1,96 @@
+"""From MODEL on the command line to a bond graph."""
+
+from __future__ import annotations
+
+import importlib.util
+import sys
+import traceback
+from pathlib import Path
+from typing import Any
+
+from bondgraph.errors import BondGraphError, ModelError
+from bondgraph.graph import BondGraph
+
+
+def load_model(word: str) -> BondGraph:
+    """Return the graph that MODEL names.
+
+    Parameters
+    ----------
+    word : str
+        A library name, ``path/to/file.py:name``, or a ``.toml`` file.
+
+    Returns
+    -------
+    BondGraph
+
+    Raises
+    ------
+    ModelError
+        When there is no such model, or its file fails.
+
+    Examples
+    --------
+    >>> load_model("mass_on_belt").name
+    'mass_on_belt'
+    """
+    if word.endswith(".toml"):
+        from bondgraph.files import load
+
+        return load(Path(word))
+    path, colon, name = word.rpartition(":")
+    if colon and path.endswith(".py"):
+        return _from_python(Path(path), name)
+    if word.endswith(".py"):
+        raise ModelError(f"{word}: say which graph of the file, as {word}:name")
+    return _from_library(word)
+
+
+def _from_library(word: str) -> BondGraph:
+    import difflib
+
+    from bondgraph import models
+
+    if word not in models.LIBRARY:
+        near = difflib.get_close_matches(word, models.LIBRARY, n=2)
+        hint = f"did you mean {' or '.join(near)}?" if near else f"there is {', '.join(models.LIBRARY)}"
+        raise ModelError(f"model {word!r} is not in the library; {hint} Files are given as file.py:name or file.toml")
+    graph = getattr(models, word).graph()
+    assert isinstance(graph, BondGraph)
+    return graph
+
+
+def _from_python(path: Path, name: str) -> BondGraph:
+    if not path.is_file():
+        raise ModelError(f"{path}: no such file")
+    spec = importlib.util.spec_from_file_location(path.stem, path)
+    assert spec is not None and spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    sys.path.insert(0, str(path.parent.resolve()))
+    try:
+        spec.loader.exec_module(module)
+        found = getattr(module, name, None)
+        graph = _as_graph(found)
+    except BondGraphError:
+        raise
+    except (Exception, SystemExit) as error:
+        raise ModelError(f"{path}{_line(error, path)}: {type(error).__name__}: {error}") from error
+    finally:
+        sys.path.remove(str(path.parent.resolve()))
+    if graph is None:
+        what = "has no such name" if found is None else f"holds {type(found).__name__}, not a BondGraph"
+        raise ModelError(f"{path}:{name}: the file {what}; name a BondGraph or a function that returns one")
+    return graph
+
+
+def _as_graph(found: Any) -> BondGraph | None:
+    if callable(found):
+        found = found()
+    return found if isinstance(found, BondGraph) else None
+
+
+def _line(error: BaseException, path: Path) -> str:
+    """Where in the user's own file it went wrong."""
+    frames = [frame for frame in traceback.extract_tb(error.__traceback__) if Path(frame.filename) == path]
+    number = frames[-1].lineno if frames else getattr(error, "lineno", None)
+    return f", line {number}" if number else ""

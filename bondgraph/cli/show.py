@@ -1,0 +1,172 @@
+"""Results on the terminal: rich tables for people, plain values for JSON."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from rich.console import Console
+from rich.table import Table
+
+from bondgraph.causality import CausalGraph
+from bondgraph.elements import OnePort, Storage
+from bondgraph.parameters import resolve
+from bondgraph.simulation import Trajectory
+
+if TYPE_CHECKING:
+    from bondgraph.stability import StabilityResult
+
+
+def _console() -> Console:
+    return Console(highlight=False, soft_wrap=True)
+
+
+def _table(title: str, *columns: str) -> Table:
+    table = Table(title=title, title_justify="left", box=None, pad_edge=False, header_style="bold")
+    for column in columns:
+        table.add_column(column, overflow="fold")
+    return table
+
+
+def as_json_object(causal: CausalGraph) -> dict[str, Any]:
+    """Return what `bondgraph show --json` prints."""
+    graph = causal.graph
+    values = resolve(graph.parameters, partial=True)
+    return {
+        "schema": 1,
+        "model": graph.name,
+        "elements": [{"name": name, "kind": element.kind} for name, element in graph.elements.items()],
+        "bonds": [
+            {"name": stroke.bond, "effort_out_of": stroke.effort_out_of, "reason": stroke.because}
+            for stroke in causal.strokes
+        ],
+        "signals": [
+            {"from": f"{signal.source}.{signal.variable}", "to": signal.target} for signal in graph.signals
+        ],
+        "parameters": {
+            symbol.name: {
+                "value": values.get(symbol.name),
+                "unit": row.unit,
+                "meaning": row.meaning,
+                "source": row.source,
+            }
+            for symbol, row in graph.parameters.items()
+        },
+        "inputs": {symbol.name: unit for symbol, unit in graph.inputs.items()},
+        "outputs": {name: output.unit for name, output in graph.outputs.items()},
+        "integral": list(causal.integral),
+        "derivative": list(causal.derivative),
+        "warnings": [*graph.warnings, *causal.warnings],
+        "notes": list(graph.notes),
+    }
+
+
+def as_tables(causal: CausalGraph) -> None:
+    """Print a graph for reading."""
+    graph, console = causal.graph, _console()
+    console.print(f"[bold]{graph.name}[/bold]: {len(graph.elements)} elements, {len(graph.bonds)} bonds\n")
+    elements = _table("Elements", "element", "kind", "law")
+    for name, element in graph.elements.items():
+        elements.add_row(name, element.kind, _law(element))
+    console.print(elements)
+    bonds = _table("\nBonds", "bond", "effort out of", "because")
+    for stroke in causal.strokes:
+        bonds.add_row(stroke.bond, stroke.effort_out_of, stroke.because)
+    console.print(bonds)
+    _print_parameters(console, causal)
+    for line in (*graph.warnings, *causal.warnings):
+        console.print(f"\nwarning: {line}", markup=False)
+    for line in graph.notes:
+        console.print(f"note: {line}", markup=False)
+
+
+def _print_parameters(console: Console, causal: CausalGraph) -> None:
+    graph = causal.graph
+    if not graph.parameters:
+        return
+    values = resolve(graph.parameters, partial=True)
+    table = _table("\nParameters", "name", "SI value", "given as", "meaning", "source")
+    for symbol, row in graph.parameters.items():
+        given = "" if row.value is None else f"{row.value} {row.unit}".strip()
+        value = f"{values[symbol.name]:.9g}" if symbol.name in values else "to be given"
+        table.add_row(symbol.name, value, given, row.meaning, row.source)
+    console.print(table)
+
+
+def _law(element: Any) -> str:
+    """Write an element's law with plain variable names."""
+    plain = {symbol: type(symbol)(key) for key, symbol in element.symbols.items()}
+    if isinstance(element, Storage):
+        return f"{'e' if element.kind == 'C' else 'f'} = {element.law.xreplace(plain)}"
+    if isinstance(element, OnePort):
+        shown = [(key, law.xreplace(plain)) for key, law in element.laws.items() if key in ("effort", "flow", "kinetic")]
+        names = {"effort": "e", "flow": "f", "kinetic": "abs(e)"}
+        return "; ".join(f"{names[key]} = {law}" for key, law in shown[:1])
+    return f"ratio {element.ratio}" if hasattr(element, "ratio") else ""
+
+
+def run_json(trajectory: Trajectory) -> dict[str, Any]:
+    """Return what `bondgraph simulate --json` prints."""
+    energy = trajectory.energy
+    return {
+        "schema": 1,
+        "model": trajectory.model.equations.name,
+        "outcome": trajectory.outcome.value,
+        "t_end": trajectory.t_end,
+        "final": trajectory.final,
+        "events": [
+            {"t": event.t, "element": event.element, "from": event.from_mode, "to": event.to_mode}
+            for event in trajectory.events
+        ],
+        "energy": {
+            "supplied": energy.supplied,
+            "stored": energy.stored,
+            "dissipated": energy.dissipated,
+            "relative_residual": energy.relative_residual,
+        },
+        "backend": trajectory.backend,
+        "steps": trajectory.steps,
+    }
+
+
+def run_tables(trajectory: Trajectory) -> None:
+    """Print a run for reading."""
+    console = _console()
+    console.print(
+        f"[bold]{trajectory.model.equations.name}[/bold]: {trajectory.outcome.value} at "
+        f"{trajectory.t_end:.9g} s, {trajectory.steps} steps, {len(trajectory.events)} events ({trajectory.backend})\n"
+    )
+    final = _table("Final values", "name", "value", "unit")
+    for name, value in trajectory.final.items():
+        final.add_row(name, f"{value:.9g}", trajectory.unit(name))
+    console.print(final)
+    if trajectory.events:
+        events = _table("\nEvents", "t [s]", "element", "from", "to")
+        for event in trajectory.events[:10]:
+            events.add_row(f"{event.t:.9f}", event.element, event.from_mode, event.to_mode)
+        console.print(events)
+        if len(trajectory.events) > 10:
+            console.print(f"... and {len(trajectory.events) - 10} more")
+    energy = trajectory.energy
+    stored = "unknown" if energy.stored is None else f"{energy.stored:.9g} J"
+    residual = "unknown" if energy.relative_residual is None else f"{energy.relative_residual:.1e}"
+    console.print(
+        f"\nEnergy: supplied {energy.supplied:.9g} J, stored {stored}, dissipated {energy.dissipated:.9g} J, "
+        f"relative residual {residual}"
+    )
+
+
+def stability_tables(result: StabilityResult) -> None:
+    """Print a stability verdict for reading."""
+    console = _console()
+    console.print(f"[bold]{result.model}[/bold]: {result.verdict}\n", soft_wrap=False)
+    table = _table("Eigenvalues", "eigenvalue [1/s]", "frequency [Hz]", "damping ratio", "stable", "decided by")
+    for row in result.rows:
+        value = row.eigenvalue
+        shown = f"{value.real:.6f}" + (f" {value.imag:+.6f}j" if value.imag else "")
+        ratio = "" if row.damping_ratio is None else f"{row.damping_ratio:.6f}"
+        table.add_row(
+            shown, f"{row.frequency_hz:.6f}", ratio, "yes" if row.stable else "NO", ", ".join(row.elements)
+        )
+    console.print(table)
+    for edge in result.edges:
+        console.print(f"edge: {edge.kind} at {edge.parameter} = {edge.value:.9g}, {edge.frequency_hz:.6f} Hz")

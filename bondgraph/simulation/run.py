@@ -1,0 +1,202 @@
+"""The public `simulate`: numbers in, trajectory out."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import numpy
+
+from ..causality import CausalGraph
+from ..errors import SimulationError
+from ..graph import BondGraph
+from ..modes import LABELS
+from ..values import initial_values, parameter_values
+from .compiled import CompiledModel
+from .hybrid import Options, Problem, Solution, integrate
+from .inputs import at, gather
+from .trajectory import Energy, Event, Trajectory
+
+
+def simulate(
+    graph: BondGraph | CausalGraph | CompiledModel,
+    t_span: tuple[float, float] | float,
+    parameters: Mapping[Any, Any] | None = None,
+    initial: Mapping[Any, Any] | None = None,
+    inputs: Mapping[Any, Any] | None = None,
+    t_eval: Any = None,
+    rtol: float = 1e-6,
+    *,
+    atol: float = 0.0,
+    max_step: float = math.inf,
+    max_events: int = 100_000,
+    max_steps: int = 10_000_000,
+    time_budget: float = 600.0,
+    backend: str = "auto",
+) -> Trajectory:
+    """Simulate a model in time; contacts stick and slip at located events.
+
+    Parameters
+    ----------
+    graph : BondGraph, CausalGraph or CompiledModel
+        A CompiledModel is reused without deriving or compiling again.
+    t_span : (float, float) or float
+        Start and end, s; a single number is the end of a run from zero.
+    parameters : mapping, optional
+        Values by name or symbol, in SI or as ``(value, unit)``.
+    initial : mapping, optional
+        Initial states by name or symbol; the elements' own unless given. An
+        output that fixes one state, such as a speed, may be given instead.
+    inputs : mapping, optional
+        By name or symbol: a number, ``(times, values)``, `Samples`, or a
+        function of time (which runs on the slower virtual machine).
+    t_eval : (nt,) array-like, optional
+        Times to report; the integrator's own steps unless given.
+    rtol : float
+        Relative tolerance, 1e-13 to 0.1.
+    atol : float
+        Absolute tolerance; zero measures each state against its own range and
+        the energy of the whole system.
+    max_step : float
+        Longest step, s.
+    max_events, max_steps : int
+        Limits that end the run in a named outcome.
+    time_budget : float
+        Wall-clock limit, s.
+    backend : {"auto", "native", "vm"}
+        Compiled C, or CasADi's virtual machine; auto compiles where a C
+        compiler is found.
+
+    Returns
+    -------
+    Trajectory
+        With a named outcome; it may have stopped early.
+
+    Raises
+    ------
+    BondGraphError
+        When the run cannot be started: structure, values or options.
+
+    Examples
+    --------
+    >>> from bondgraph.models import mass_on_belt
+    >>> run = simulate(mass_on_belt.graph(), 2.0)
+    >>> run.outcome.value, run.events[0].to_mode
+    ('finished', 'stick')
+    """
+    model = graph if isinstance(graph, CompiledModel) else CompiledModel(graph)
+    span = _span(t_span)
+    equations = model.equations
+    values = parameter_values(equations, parameters)
+    table = gather(equations, inputs)
+    x0 = numpy.array(initial_values(equations, values, initial), dtype=float)
+    p = numpy.array([values[symbol.name] for symbol in equations.parameters], dtype=float)
+    stored, weights = _measures(model, span[0], x0, table, p)
+    start = stored(span[0], x0) if stored else 0.0
+    problem = Problem(
+        modes=model.modes,
+        parameters=p,
+        x0=x0,
+        t_span=span,
+        inputs=table,
+        weights=weights,
+        energy0=start,
+    )
+    options = Options(
+        rtol=_tolerance(rtol),
+        atol=float(atol),
+        max_step=float(max_step),
+        max_events=max_events,
+        max_steps=max_steps,
+        time_budget=time_budget,
+        t_eval=_grid(t_eval, span),
+        backend=backend,
+    )
+    solution = integrate(problem, options)
+    end = stored(solution.t_end, solution.x_end) if stored else None
+    return _trajectory(model, solution, values, table, _audit(solution, start, end))
+
+
+def _span(t_span: Any) -> tuple[float, float]:
+    try:
+        start, end = (0.0, float(t_span)) if isinstance(t_span, int | float) else map(float, t_span)
+    except (TypeError, ValueError):
+        raise SimulationError(f"t_span must be (start, end) in seconds, got {t_span!r}") from None
+    if not (math.isfinite(start) and math.isfinite(end)):
+        raise SimulationError(f"t_span must be finite, got {t_span!r}")
+    if end <= start:
+        raise SimulationError(f"the run must end after it starts, got {start:g} s to {end:g} s")
+    return start, end
+
+
+def _tolerance(rtol: float) -> float:
+    if not isinstance(rtol, int | float) or not 1e-13 <= rtol <= 0.1:
+        raise SimulationError(f"rtol is {rtol!r}; it must lie between 1e-13 and 0.1")
+    return float(rtol)
+
+
+def _grid(t_eval: Any, span: tuple[float, float]) -> numpy.ndarray | None:
+    if t_eval is None:
+        return None
+    grid = numpy.array(t_eval, dtype=float).ravel()
+    if not numpy.isfinite(grid).all() or (numpy.diff(grid) <= 0).any():
+        raise SimulationError("t_eval must be finite and increasing")
+    if grid.size and (grid[0] < span[0] or grid[-1] > span[1]):
+        raise SimulationError(f"t_eval reaches from {grid[0]:g} s to {grid[-1]:g} s, outside {span[0]:g} s to {span[1]:g} s")
+    return grid
+
+
+def _measures(
+    model: CompiledModel, t0: float, x0: numpy.ndarray, table: Any, p: numpy.ndarray
+) -> tuple[Any, numpy.ndarray]:
+    """Return the stored-energy function of (t, x), and each state's scale for unit energy."""
+
+    def arguments(t: float, x: numpy.ndarray) -> tuple[Any, ...]:
+        directions = numpy.ones((len(model.contact_names), 1))
+        return numpy.array([[t]]), x[:, None], at(table, numpy.array([t])), p[:, None], directions
+
+    slopes = model.stiffness_at(*arguments(t0, x0))[:, 0]
+    weights = numpy.zeros(len(x0))
+    usable = numpy.isfinite(slopes) & (slopes > 0)
+    weights[usable] = 1 / numpy.sqrt(slopes[usable])
+    energy = model.stored
+    if energy is None:
+        return None, weights
+    return lambda t, x: float(energy(*arguments(t, x))[0]), weights
+
+
+def _audit(solution: Solution, start: float, end: float | None) -> Energy:
+    supplied, dissipated = float(solution.supplied_end), float(solution.dissipated_end)
+    if end is None:
+        return Energy(supplied, None, dissipated, None)
+    stored = end - start
+    scale = max(abs(supplied), abs(dissipated), abs(stored), abs(start))
+    residual = supplied - stored - dissipated
+    return Energy(supplied, stored, dissipated, residual / scale if scale > 0 else 0.0)
+
+
+def _trajectory(
+    model: CompiledModel, solution: Solution, values: dict[str, float], table: Any, energy: Energy
+) -> Trajectory:
+    names = model.contact_names
+    events = tuple(
+        Event(event.t, names[event.switch], LABELS[event.before], LABELS[event.after])
+        for event in solution.events
+    )
+    return Trajectory(
+        t=solution.t,
+        x=solution.x.T,
+        codes=solution.codes,
+        events=events,
+        outcome=solution.outcome,
+        t_end=solution.t_end,
+        energy=energy,
+        parameters=values,
+        backend=solution.backend,
+        steps=solution.steps,
+        model=model,
+        inputs=table,
+        x_end=solution.x_end,
+        codes_end=solution.codes_end,
+    )

@@ -1,0 +1,632 @@
+"""The integrator of ``driver.c`` once more, in Python: change both together.
+
+It runs where there is no compiler, and where an input is a Python callable. The same algorithm with
+the same names, so that either may be read beside the other; the reasons stand in ``driver.c``.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections import deque
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from bondgraph.simulation.outcome import Outcome
+
+if TYPE_CHECKING:
+    from bondgraph.simulation.hybrid import Options, Problem
+
+__all__ = ["Stepper"]
+
+FAC_MIN, FAC_MAX, SAFETY, BETA = 0.2, 5.0, 0.9, 0.04
+WOBBLE = 1.0 / 1048576.0
+MAX_BAD, MAX_SHRINKS, MAX_HALVINGS = 20, 6, 6
+EPSILON, TINY = float(np.finfo(float).eps), float(np.finfo(float).tiny)
+
+# Dormand and Prince (1980): nodes, stages, error, and Shampine's dense output.
+C = (0.0, 1 / 5, 3 / 10, 4 / 5, 8 / 9, 1.0)
+A = tuple(
+    np.array(row)
+    for row in (
+        [],
+        [1 / 5],
+        [3 / 40, 9 / 40],
+        [44 / 45, -56 / 15, 32 / 9],
+        [19372 / 6561, -25360 / 2187, 64448 / 6561, -212 / 729],
+        [9017 / 3168, -355 / 33, 46732 / 5247, 49 / 176, -5103 / 18656],
+    )
+)
+B = np.array([35 / 384, 0, 500 / 1113, 125 / 192, -2187 / 6784, 11 / 84])
+E = np.array(
+    [71 / 57600, 0, -71 / 16695, 71 / 1920, -17253 / 339200, 22 / 525, -1 / 40],
+)
+D = np.array(
+    [
+        -12715105075 / 11282082432,
+        0,
+        87487479700 / 32700410799,
+        -10690763975 / 1880347072,
+        701980252875 / 199316789632,
+        -1453857185 / 822651844,
+        69997945 / 29380423,
+    ]
+)
+# Fourth difference of five samples.
+ROUGH = np.array([1.0, -4.0, 6.0, -4.0, 1.0])
+
+Array = np.ndarray
+Model = Callable[[float, Array, Array, Array, Array], Array]
+
+
+class _End(Exception):
+    """The run is over."""
+
+    def __init__(self, outcome: Outcome) -> None:
+        super().__init__(outcome)
+        self.outcome = outcome
+
+
+class _Retry(Exception):
+    """The step is to be tried again, with the length now in `h`."""
+
+
+def _ulp(t: float) -> float:
+    return EPSILON * max(abs(t), TINY)
+
+
+def _signs(values: Array) -> Array:
+    return np.where(values < 0, -1, 1)
+
+
+class Stepper:
+    """One run of the event-driven integrator.
+
+    Parameters
+    ----------
+    problem, options
+        As for `bondgraph.simulation.hybrid.integrate`, checked already.
+    model : callable
+        mask of stuck switches -> (rhs, guard), each ``(t, x, u, p, s) -> array``.
+    """
+
+    def __init__(
+        self, problem: Problem, options: Options, model: Callable[[int], tuple[Model, Model]]
+    ) -> None:
+        self.n, self.k = problem.modes.n, problem.modes.k
+        n, k = self.n, self.k
+        self.model = model
+        self.parameters = problem.parameters
+        self.options = options
+        self.inputs, self.knots, self.values, self.linear = problem.input_table()
+        self.t_eval: Array | None = options.t_eval
+        self.weights, self.energy0 = problem.weights_or_zero(), float(problem.energy0)
+        self.t, self.t_end = float(problem.t_span[0]), float(problem.t_span[1])
+        self.t_begin = self.t
+        self.x = np.concatenate([problem.x0, [0.0, 0.0]])
+        self.energy = abs(self.energy0)
+        self.floor = np.maximum(
+            1e-3 * np.abs(problem.x0), 1e-7 * self.weights * math.sqrt(2 * self.energy)
+        )
+        self.knot = -1
+        while self.knot + 1 < len(self.knots) and self.knots[self.knot + 1] <= self.t:
+            self.knot += 1
+
+        scatter = 0.5 + np.modf(np.arange(n) * 0.6180339887498949)[0]
+        self.wobble = 1.0 + WOBBLE * np.where(np.arange(n) % 2, -scatter, scatter)
+        self.code = np.zeros(k, dtype=int)
+        self.K = np.zeros((7, n + 2))
+        self.dense = np.zeros((5, n + 2))
+        self.sample = np.zeros((5, 2 * k))
+        self.noise = np.zeros(k)
+        self.armed = np.zeros(k, dtype=bool)
+        self.armed_low = np.zeros(k, dtype=bool)
+        self.fired = np.zeros(k, dtype=bool)
+        window = 64 + 8 * k
+        self.instants: deque[float] = deque(maxlen=window)
+
+        self.h, self.error_old = 0.0, 1e-4
+        self.bad = self.shrinks = self.halvings = self.futile = 0
+        self.after_rejection = self.started = self.keep_step = False
+        self.steps = self.rejected = self.evaluations = self.next_eval = 0
+        self.rows: list[Array] = []
+        self.row_codes: list[Array] = []
+        self.events: list[tuple[float, int, int, int, Array]] = []
+
+    def run(self) -> Outcome:
+        """Integrate to the end, or to whatever stops it."""
+        deadline = time.monotonic() + self.options.time_budget
+        # Overflow in a trial step is judged by its result, not announced.
+        with np.errstate(all="ignore"):
+            try:
+                if not np.isfinite(self.x).all():
+                    raise _End(Outcome.NON_FINITE)
+                self.classify()
+                while True:
+                    self.step()
+                    if time.monotonic() > deadline:
+                        raise _End(Outcome.TIME_BUDGET)
+            except _End as end:
+                self.finish()
+                return end.outcome
+
+    # ------------------------------------------------------------------ model
+
+    def input_at(self, t: float) -> Array:
+        """Inputs at t, which lies in the interval after the present knot."""
+        if self.inputs is not None:
+            return np.asarray(self.inputs(t), dtype=float)
+        i = self.knot
+        if i < 0 or i + 1 >= len(self.knots):
+            return self.values[max(i, 0)] if len(self.values) else np.zeros(0)
+        part = (t - self.knots[i]) / (self.knots[i + 1] - self.knots[i])
+        left, right = self.values[i], self.values[i + 1]
+        return np.where(self.linear, left + part * (right - left), left)
+
+    def functions(self, code: Array) -> tuple[Model, Model]:
+        """Of the mode in which exactly the switches with code 0 stick."""
+        return self.model(sum(1 << int(j) for j in np.flatnonzero(code == 0)))
+
+    def rhs(self, t: float, x: Array) -> Array:
+        """Slope and powers in the present mode."""
+        self.evaluations += 1
+        return self.mode[0](t, x, self.input_at(t), self.parameters, self.s)
+
+    def guard(self, t: float, x: Array) -> Array:
+        """Guards g and a in the present mode."""
+        return self.mode[1](t, x, self.input_at(t), self.parameters, self.s)
+
+    def measure(self, code: Array) -> tuple[Array, Array]:
+        """Guards of a mode at the present point, and how far rounding can move each."""
+        guard = self.functions(code)[1]
+        u, s, x = self.input_at(self.t), code.astype(float), self.x[: self.n]
+        g = np.array(guard(self.t, x, u, self.parameters, s))
+        moved = guard(self.t, x * self.wobble, u, self.parameters, s)
+        return g, 64 * EPSILON * (np.abs(moved - g) / WOBBLE + np.abs(g))
+
+    # ------------------------------------------------------------------ one step
+
+    def stages(self, h: float) -> None:
+        """x_new one step of length h after x; needs K[0], fills K[1] to K[5]."""
+        n, K, x = self.n, self.K, self.x
+        for i in range(1, 6):
+            K[i] = self.rhs(self.t + h * C[i], x[:n] + h * (A[i] @ K[:i, :n]))
+        self.x_new = x + h * (B @ K[:6])
+
+    def last_stage(self, h: float) -> bool:
+        """K[6]; false when the step holds a NaN or an infinity."""
+        self.K[6] = self.rhs(self.t + h, self.x_new[: self.n])
+        return bool(np.isfinite(self.x_new).all() and np.isfinite(self.K[6]).all())
+
+    def allowed(self, other: Array) -> Array:
+        """Error allowed in each state between the present one and another."""
+        size = np.maximum(np.maximum(np.abs(self.x[: self.n]), np.abs(other)), self.floor)
+        return self.options.atol + self.options.rtol * size
+
+    def error_norm(self, h: float) -> float:
+        """Largest component of the error estimate, in units of what the tolerances allow."""
+        if self.n == 0:
+            return 0.0
+        error = np.abs(h * (E @ self.K[:, : self.n]))
+        return float(np.max(error / np.maximum(self.allowed(self.x_new[: self.n]), TINY)))
+
+    def make_dense(self, h: float) -> None:
+        """Coefficients of the interpolant over the step."""
+        rise = self.x_new - self.x
+        bend = h * self.K[0] - rise
+        self.dense[0], self.dense[1], self.dense[2] = self.x, rise, bend
+        self.dense[3] = rise - h * self.K[6] - bend
+        self.dense[4] = h * (D @ self.K)
+
+    def interpolate(self, part: float) -> Array:
+        """All components at a fraction of the step."""
+        d, rest = self.dense, 1 - part
+        return d[0] + part * (d[1] + rest * (d[2] + part * (d[3] + rest * d[4])))
+
+    def first_step(self) -> None:
+        """Step length after a start or an event."""
+        x, slope_now = self.x[: self.n], self.K[0, : self.n]
+        remaining = self.t_end - self.t
+        small = 0.01 * self.h if self.h > 0 else 1e-6 * remaining
+        size, slope = self._ratio(x, self.allowed(x)), self._ratio(slope_now, self.allowed(x))
+        if slope > 0 and size > 0:
+            small = min(small, 0.01 * size / slope)
+        small = min(small, self.options.max_step, remaining)
+        for _ in range(12 if small > 0 else 0):
+            reached = x + small * slope_now
+            new = self.rhs(self.t + small, reached)[: self.n]
+            if np.isfinite(new).all():
+                allowed = self.allowed(reached)
+                slope = self._ratio(slope_now, allowed)
+                turn = self._ratio(new - slope_now, allowed) / small
+                self.h = 100 * small
+                if slope > 0 and turn > 0:
+                    rate = turn / slope
+                    self.h = min(self.h, (10 * rate / slope) ** 0.2 / rate)
+                return
+            small *= 0.1
+        self.h = small
+
+    @staticmethod
+    def _ratio(values: Array, allowed: Array) -> float:
+        """Largest |value|/allowed, where anything at all is allowed."""
+        some = allowed > 0
+        return float(np.max(np.abs(values[some]) / allowed[some])) if some.any() else 0.0
+
+    # ------------------------------------------------------------------ events inside a step
+
+    def lowest(self, g: Array) -> float:
+        """The lowest guard; one that never rose yet counts only beyond rounding."""
+        g = g[: self.k]
+        return float(np.min(np.where(self.armed_low, g, g + self.noise)))
+
+    def level_dense(self, tau: float) -> float:
+        """Lowest guard on the interpolant."""
+        return self.lowest(self.guard(self.t + tau, self.interpolate(tau / self.h_used)[: self.n]))
+
+    def level_true(self, tau: float) -> float:
+        """Lowest guard after a step of length tau, which is left in x_new."""
+        self.stages(tau)
+        self.probe = np.array(self.guard(self.t + tau, self.x_new[: self.n]))
+        return self.lowest(self.probe)
+
+    def arm_until(self, at: int) -> None:
+        """armed_low: which guards are armed at sample `at`."""
+        rose = self.sample[1 : at + 1, : self.k] > self.noise
+        self.armed_low = self.armed | rose.any(axis=0)
+
+    def first_below(self) -> int:
+        """Index of the first sample with a guard below zero, 5 if none."""
+        for c in range(1, 5):
+            self.arm_until(c - 1)
+            if self.lowest(self.sample[c]) < 0:
+                return c
+        self.arm_until(4)
+        return 5
+
+    def find_dip(self, before: int) -> tuple[int, float] | None:
+        """A dip below zero between samples above it: the sample before, the fraction."""
+        g, rough = self.sample[:, : self.k], np.abs(ROUGH @ self.sample[:, : self.k])
+        for c in range(1, min(4, before)):
+            left, here, right = g[c - 1], g[c], g[c + 1]
+            bend, tilt = left - 2 * here + right, 0.5 * (right - left)
+            low = (left > self.noise) & (here <= left) & (here <= right) & (bend > 0)
+            for j in np.flatnonzero(low):
+                if here[j] - 0.5 * tilt[j] * tilt[j] / bend[j] > 0.1 * rough[j]:
+                    continue
+                part = 0.25 * (c - float(tilt[j] / bend[j]))
+                self.arm_until(c - 1)
+                if self.level_dense(part * self.h_used) < 0:
+                    return c - 1, part
+        return None
+
+    def guards_unresolved(self) -> bool:
+        """Whether a dip below zero could hide between the samples."""
+        g = self.sample[:, : self.k]
+        rough, change = np.abs(ROUGH @ g), np.abs(np.diff(g, axis=0)).max(axis=0)
+        return bool(np.any(self.armed & (rough > 0.5 * change) & (rough > g.min(axis=0))))
+
+    def locate(self, h: float, low: float, high: float) -> bool:
+        """The event in (low, high]; false when the step was cut at `high` instead."""
+        limit, tol = high, 2 * _ulp(max(abs(self.t), abs(self.t + h)))
+        f_low, f_high = self.level_dense(low), self.level_dense(high)
+        if f_low >= 0 > f_high:
+            low, f_low, high, f_high = _narrow(self.level_dense, low, f_low, high, f_high, 1e-9 * h)
+
+        reach = 1e-6 * h
+        f_high = self.level_true(high)
+        if f_high < 0:
+            low = high
+            while True:
+                low = max(low - reach, 0.0)
+                if low == 0:
+                    f_low = max(self.lowest(self.sample[0]), 0.0)
+                    break
+                f_low = self.level_true(low)
+                if f_low >= 0:
+                    break
+                high, f_high, reach = low, f_low, 32 * reach
+        else:
+            while True:
+                low, f_low = high, f_high
+                high = min(low + reach, limit)
+                f_high = self.level_true(high) if high > low else f_low
+                if f_high < 0:
+                    break
+                if high >= limit:
+                    self.h_used = limit
+                    return False
+                reach *= 32
+        low, f_low, high, f_high = _narrow(self.level_true, low, f_low, high, f_high, tol)
+        self.level_true(high)
+        self.fired = np.where(self.armed_low, self.probe[: self.k], self.probe[: self.k] + self.noise) < 0
+        self.level_true(low)
+        self.h_used = low
+        return True
+
+    def search(self, h: float) -> bool:
+        """Whether the step of length h ends, now, in an event."""
+        k = self.k
+        self.make_dense(h)
+        self.h_used = h
+        for c in range(1, 4):
+            self.sample[c] = self.guard(self.t + 0.25 * c * h, self.interpolate(0.25 * c)[: self.n])
+        self.sample[4] = self.guard(self.t + h, self.x_new[: self.n])
+
+        first = self.first_below()
+        dip = self.find_dip(first)
+        if dip is not None:
+            low, part = dip
+        elif first < 5:
+            self.arm_until(first - 1)
+            low, part = first - 1, 0.25 * first
+            suspicious = ~self.armed_low & (self.sample[first, :k] < -self.noise)
+            if suspicious.any() and self.shrinks < MAX_SHRINKS and h > 1000 * _ulp(self.t):
+                self.shrinks += 1
+                self.h = 0.125 * h
+                raise _Retry
+        else:
+            if self.halvings < MAX_HALVINGS and self.guards_unresolved():
+                self.halvings += 1
+                self.h = 0.5 * h
+                raise _Retry
+            self.armed = self.armed_low
+            return False
+
+        found = self.locate(h, 0.25 * low * h, part * h)
+        if not self.last_stage(self.h_used):
+            self.bad += 1
+            self.h = 0.25 * h
+            raise _Retry
+        self.make_dense(self.h_used)
+        self.sample[4] = self.guard(self.t + self.h_used, self.x_new[: self.n])
+        self.armed = self.armed_low | (self.sample[4, :k] > self.noise)
+        return found
+
+    # ------------------------------------------------------------------ phases
+
+    def put_row(self, t: float, x: Array) -> None:
+        """Write one row of output."""
+        self.rows.append(np.concatenate([[t], x]))
+        self.row_codes.append(self.code)
+
+    def release(self, code: Array) -> None:
+        """Release from `code`, one after the other, the switches that do not hold."""
+        k = self.k
+        while True:
+            g, noise = self.measure(code)
+            if not np.isfinite(g).all():
+                raise _End(Outcome.NON_FINITE)
+            load = np.abs(g[k:])
+            excess = np.where((code == 0) & (g[:k] < -noise[:k]), -g[:k] / load, 0.0)
+            if not excess.max() > 0:
+                return
+            worst = int(np.argmax(excess))
+            code[worst] = _signs(g[k + worst])
+
+    def adopt(self, code: Array) -> None:
+        """Take over new codes: log what changed, and the state on the new side."""
+        changed = np.flatnonzero(code != self.code)
+        if self.started and len(self.events) + len(changed) > self.options.max_events:
+            raise _End(Outcome.EVENT_LIMIT)
+        if self.started:
+            for j in changed:
+                self.events.append((self.t, int(j), int(self.code[j]), int(code[j]), self.x))
+        new = len(changed) > 0 or not self.started
+        self.code, self.s = code, code.astype(float)
+        if new and self.t_eval is None:
+            self.put_row(self.t, self.x)
+        if len(changed):
+            self.keep_step = False
+        self.started = True
+        self.restart()
+
+    def classify(self) -> None:
+        """Codes from the slips themselves, at the start and where an input jumped."""
+        k = self.k
+        code = np.ones(k, dtype=int)
+        if k:
+            g, noise = self.measure(code)
+            if not np.isfinite(g[k:]).all():
+                raise _End(Outcome.NON_FINITE)
+            code = np.where(np.abs(g[k:]) <= 150 * noise[k:], 0, _signs(g[k:]))
+            self.release(code)
+        self.adopt(code)
+
+    def settle(self) -> None:
+        """New codes at an event: what was overloaded slips, what came to rest is tried as stuck."""
+        k = self.k
+        slips = self.code != 0
+        rests = slips & self.armed_low & (self.sample[0, :k] <= self.noise)
+        code = np.where(self.fired & ~slips, _signs(self.sample[0, k:]), self.code)
+        code = np.where((self.fired | rests) & slips, 0, code)
+        self.release(code)
+
+        window = self.instants.maxlen or 0
+        crowded = (
+            len(self.instants) == window
+            and self.t - self.instants[0]
+            <= 1e-12 * (self.t_end - self.t_begin) + 1000 * _ulp(self.t)
+        )
+        early = bool(np.any(self.fired & ~self.armed_low))
+        self.futile = self.futile + 1 if early else 0
+        if crowded or self.futile > 16 + 4 * k:
+            raise _End(Outcome.CHATTERING)
+        self.instants.append(self.t)
+        self.adopt(code)
+
+    def restart(self) -> None:
+        """Slope, guards and step size of the present mode at the present point."""
+        self.mode = self.functions(self.code)
+        self.K[0] = self.rhs(self.t, self.x[: self.n])
+        if not np.isfinite(self.K[0]).all():
+            raise _End(Outcome.NON_FINITE)
+        if self.k:
+            self.sample[0], noise = self.measure(self.code)
+            g = self.sample[0, : self.k]
+            self.noise = np.maximum(noise[: self.k], -2 * g)
+            self.armed = g > self.noise
+        if not self.keep_step:
+            self.first_step()
+            self.error_old = 1e-4
+        self.keep_step = self.after_rejection = False
+        self.bad = self.shrinks = self.halvings = 0
+
+    def control(self, h: float, error: float, clipped: bool) -> None:
+        """Proposal for the step after one of length h."""
+        slowed = error ** (0.2 - 0.75 * BETA) / self.error_old**BETA
+        proposal = h / max(1 / FAC_MAX, min(1 / FAC_MIN, slowed / SAFETY))
+        if self.after_rejection:
+            proposal = min(proposal, h)
+        elif clipped:
+            proposal = max(proposal, self.h)
+        self.h = proposal
+        self.error_old = max(error, 1e-4)
+        self.after_rejection = False
+
+    def reject(self, h: float) -> None:
+        """Note a step that was not taken, and the length to try instead."""
+        self.rejected += 1
+        self.after_rejection = True
+        self.h = h
+
+    def next_stop(self) -> float:
+        """The time that no step may cross."""
+        ahead = self.knot + 1
+        return min(self.knots[ahead], self.t_end) if ahead < len(self.knots) else self.t_end
+
+    def step(self) -> None:
+        """Try one step; take it, with the event at its end, if it is good."""
+        stop = self.next_stop()
+        if self.t >= self.t_end:
+            raise _End(Outcome.FINISHED)
+        if self.t >= stop:
+            self.cross_knot()
+            return
+        if self.steps + self.rejected >= self.options.max_steps:
+            raise _End(Outcome.STEP_LIMIT)
+
+        h = min(self.h, self.options.max_step)
+        clipped = self.t + 1.01 * h >= stop
+        if clipped:
+            h = stop - self.t
+        elif not h > 10 * _ulp(self.t):
+            raise _End(Outcome.NON_FINITE if self.bad else Outcome.STEP_UNDERFLOW)
+
+        self.stages(h)
+        if not self.last_stage(h):
+            self.reject(0.25 * h)
+            self.bad += 1
+            if self.bad > MAX_BAD:
+                raise _End(Outcome.NON_FINITE)
+            return
+        error = self.error_norm(h)
+        if not error <= 1:
+            self.reject(h / min(1 / FAC_MIN, error**0.2 / SAFETY))
+            return
+        if np.any(np.abs(self.x_new[: self.n]) > self.options.bound):
+            raise _End(Outcome.DIVERGED)
+
+        self.h_used = h
+        event = False
+        try:
+            if self.k:
+                event = self.search(h)
+            elif self.t_eval is not None:
+                self.make_dense(h)
+        except _Retry:
+            self.reject(self.h)
+            if self.bad > MAX_BAD:
+                raise _End(Outcome.NON_FINITE) from None
+            return
+        self.t_new = stop if clipped and self.h_used == h else self.t + self.h_used
+        self.control(h, error, clipped)
+        self.emit()
+        self.commit()
+        if event:
+            self.settle()
+
+    def emit(self) -> None:
+        """Output rows of the step just taken."""
+        if self.t_eval is None:
+            self.put_row(self.t_new, self.x_new)
+            return
+        while self.next_eval < len(self.t_eval) and self.t_eval[self.next_eval] < self.t_new:
+            t = float(self.t_eval[self.next_eval])
+            self.put_row(t, self.interpolate((t - self.t) / self.h_used))
+            self.next_eval += 1
+
+    def commit(self) -> None:
+        """The end of the step becomes the present point."""
+        n = self.n
+        self.x = self.x_new
+        self.K[0] = self.K[6]
+        self.sample[0] = self.sample[4]
+        self.t = self.t_new
+        self.steps += 1
+        self.bad = self.halvings = 0
+        self.energy = max(self.energy, abs(self.energy0 + self.x[n] - self.x[n + 1]))
+        amplitude = 1e-7 * math.sqrt(2 * self.energy)
+        self.floor = np.maximum(
+            self.floor, np.maximum(1e-3 * np.abs(self.x[:n]), self.weights * amplitude)
+        )
+        if self.armed.all():
+            self.shrinks = self.futile = 0
+
+    def cross_knot(self) -> None:
+        """Into the next interval of the input table; only a jump needs more than that."""
+        self.knot += 1
+        i = self.knot
+        held = ~self.linear
+        if i > 0 and np.any(self.values[i][held] != self.values[i - 1][held]):
+            self.keep_step = True
+            self.classify()
+
+    def finish(self) -> None:
+        """Output rows at the very end."""
+        times = self.t_eval if self.t_eval is not None else ()
+        while self.next_eval < len(times) and times[self.next_eval] <= self.t:
+            self.put_row(float(times[self.next_eval]), self.x)
+            self.next_eval += 1
+
+
+def _narrow(
+    level: Callable[[float], float],
+    low: float,
+    f_low: float,
+    high: float,
+    f_high: float,
+    tol: float,
+) -> tuple[float, float, float, float]:
+    """Narrow low (level >= 0) and high (level < 0) to about 2 tol, by Chandrupatla's method."""
+    a, fa, b, fb = low, f_low, high, f_high
+    c, fc = a, fa
+    part = fa / (fa - fb)
+    for _ in range(80):
+        width = abs(b - a)
+        if width <= 2 * tol:
+            break
+        least = tol / width
+        part = min(1 - least, max(least, part))
+        x = a + part * (b - a)
+        f = level(x)
+        if (f >= 0) == (fa >= 0):
+            c, fc = a, fa
+        else:
+            c, fc, b, fb = b, fb, a, fa
+        a, fa = x, f
+        part = _inverse_quadratic(a, fa, b, fb, c, fc)
+    return (a, fa, b, fb) if fa >= 0 else (b, fb, a, fa)
+
+
+def _inverse_quadratic(a: float, fa: float, b: float, fb: float, c: float, fc: float) -> float:
+    """Where between a and b three points put the zero, 1/2 where that is not safe."""
+    if c == b or fc in (fa, fb):
+        return 0.5
+    xi, phi = (a - b) / (c - b), (fa - fb) / (fc - fb)
+    if not (phi * phi < xi and (1 - phi) * (1 - phi) < 1 - xi):
+        return 0.5
+    across = fa / (fb - fa) * fc / (fb - fc)
+    return across + (c - a) / (b - a) * fa / (fc - fa) * fb / (fc - fb)

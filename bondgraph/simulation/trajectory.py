@@ -1,0 +1,300 @@
+"""Trajectory: what a simulation gives, addressed by name."""
+
+from __future__ import annotations
+
+import csv
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy
+
+from ..errors import BondGraphError, SimulationError
+from ..modes import LABELS
+from ..parameters import unknown_name
+from .compiled import CompiledModel
+from .inputs import at
+from .outcome import Outcome
+
+if TYPE_CHECKING:
+    import pandas
+    import xarray
+
+Array = numpy.ndarray
+
+
+@dataclass(frozen=True)
+class Event:
+    """A change of mode.
+
+    Attributes
+    ----------
+    t : float
+        Time, s.
+    element : str
+        Qualified name of the contact.
+    from_mode, to_mode : str
+        ``"stick"``, ``"slip+"`` or ``"slip-"``.
+    """
+
+    t: float
+    element: str
+    from_mode: str
+    to_mode: str
+
+
+@dataclass(frozen=True)
+class Energy:
+    """Energy audit of a run, in J.
+
+    Attributes
+    ----------
+    supplied : float
+        By all sources, integrated along the run.
+    stored : float or None
+        Change of stored energy from start to end; None where a storage's law
+        has no potential.
+    dissipated : float
+    relative_residual : float or None
+        ``(supplied - stored - dissipated)`` over the largest energy involved.
+    """
+
+    supplied: float
+    stored: float | None
+    dissipated: float
+    relative_residual: float | None
+
+
+@dataclass(frozen=True, eq=False)
+class Trajectory:
+    """Result of a simulation.
+
+    Any state, output, input or port variable is had by name:
+    ``trajectory["rear.mass.p"]``, ``trajectory["omega_r"]``,
+    ``trajectory["friction.f"]``.
+
+    Attributes
+    ----------
+    t : (nt,) array
+        Times, s.
+    x : (n, nt) array
+        States, ordered as ``model.equations.states``.
+    events : tuple of Event
+    outcome : Outcome
+        Named; `outcome.ok` only where the run reached its end.
+    t_end : float
+        Last good time.
+    final : dict of str to float
+        Last good states and outputs.
+    energy : Energy
+    parameters : dict of str to float
+        SI values of the run.
+    backend : str
+        ``"native"`` or ``"vm"``.
+    """
+
+    t: Array
+    x: Array
+    codes: Array
+    events: tuple[Event, ...]
+    outcome: Outcome
+    t_end: float
+    energy: Energy
+    parameters: dict[str, float]
+    backend: str
+    steps: int
+    model: CompiledModel
+    inputs: Any
+    x_end: Array
+    codes_end: Array
+
+    def __getitem__(self, name: str) -> Array:
+        """Return a signal at all times, of shape (nt,)."""
+        return self._evaluate((str(getattr(name, "name", name)),), self.t, self.x, self.codes)[0]
+
+    def __len__(self) -> int:
+        return len(self.t)
+
+    def __repr__(self) -> str:
+        return (
+            f"Trajectory({self.model.equations.name!r}, {self.outcome.value} at {self.t_end:g} s, "
+            f"{len(self.t)} samples, {len(self.events)} events)"
+        )
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of all signals."""
+        return self.model.names
+
+    @property
+    def states(self) -> tuple[str, ...]:
+        """Names of the states."""
+        return tuple(state.name for state in self.model.equations.states)
+
+    @property
+    def final(self) -> dict[str, float]:
+        """States and outputs at the last good time."""
+        names = (*self.states, *self.model.equations.outputs)
+        values = self._evaluate(
+            names, numpy.array([self.t_end]), self.x_end.reshape(-1, 1), self.codes_end.reshape(1, -1)
+        )
+        return {name: float(value[0]) for name, value in zip(names, values, strict=True)}
+
+    @property
+    def modes(self) -> dict[str, Array]:
+        """Mode of each contact at all times, as arrays of str."""
+        return {
+            name: numpy.array([LABELS[int(code)] for code in column], dtype=object)
+            for name, column in zip(self.model.contact_names, self.codes.T, strict=True)
+        }
+
+    def unit(self, name: str) -> str:
+        """Return the unit of a signal: declared for outputs and inputs, inferred for the rest.
+
+        Parameters
+        ----------
+        name : str
+
+        Returns
+        -------
+        str
+            Empty where it is dimensionless or not known.
+        """
+        equations = self.model.equations
+        if name in equations.graph.outputs:
+            return equations.graph.outputs[name].unit
+        for symbol, unit in equations.graph.inputs.items():
+            if symbol.name == name:
+                return unit
+        return _inferred_units(self.model).get(name) or ""
+
+    def sticks(self, element: str | None = None) -> Array:
+        """Return the times at which a contact begins to stick.
+
+        Parameters
+        ----------
+        element : str, optional
+            All contacts unless given.
+
+        Returns
+        -------
+        (k,) array
+        """
+        return numpy.array(
+            [event.t for event in self.events if event.to_mode == "stick" and element in (None, event.element)]
+        )
+
+    def columns(self, names: tuple[str, ...] | None = None) -> dict[str, Array]:
+        """Return signals by name; outputs, states and inputs unless named."""
+        equations = self.model.equations
+        if names is None:
+            inputs = tuple(symbol.name for symbol in equations.graph.inputs)
+            names = tuple(dict.fromkeys((*equations.outputs, *self.states, *inputs)))
+        return dict(zip(names, self._evaluate(names, self.t, self.x, self.codes), strict=True))
+
+    def to_xarray(self, names: tuple[str, ...] | None = None) -> xarray.Dataset:
+        """Return an xarray Dataset over time, with units, modes and outcome.
+
+        Raises
+        ------
+        BondGraphError
+            If xarray is not installed.
+        """
+        xarray = _optional("xarray")
+        data = {
+            name: ("time", values, {"units": self.unit(name)}) for name, values in self.columns(names).items()
+        }
+        modes = {
+            f"{name}.mode": ("time", column.astype(numpy.int8), {"meaning": "0 stick, 1 slip+, -1 slip-"})
+            for name, column in zip(self.model.contact_names, self.codes.T, strict=True)
+        }
+        attributes = {
+            "model": self.model.equations.name,
+            "outcome": self.outcome.value,
+            "t_end": self.t_end,
+            **{f"parameter {name}": value for name, value in self.parameters.items()},
+        }
+        return xarray.Dataset({**data, **modes}, {"time": ("time", self.t, {"units": "s"})}, attributes)
+
+    def to_dataframe(self, names: tuple[str, ...] | None = None) -> pandas.DataFrame:
+        """Return a pandas DataFrame indexed by time.
+
+        Raises
+        ------
+        BondGraphError
+            If pandas is not installed.
+        """
+        pandas = _optional("pandas")
+        return pandas.DataFrame(self.columns(names), index=pandas.Index(self.t, name="time"))
+
+    def save(self, path: str | Path, names: tuple[str, ...] | None = None) -> Path:
+        """Write the signals to a ``.csv`` or ``.nc`` file.
+
+        Parameters
+        ----------
+        path : str or Path
+        names : tuple of str, optional
+            Outputs, states and inputs unless given.
+
+        Returns
+        -------
+        Path
+
+        Raises
+        ------
+        SimulationError
+            For another ending, or a folder that cannot be written.
+        """
+        path = Path(path)
+        if path.suffix not in (".csv", ".nc"):
+            raise SimulationError(f"cannot write {path.name!r}: use the ending .csv or .nc")
+        try:
+            if path.suffix == ".nc":
+                self.to_xarray(names).to_netcdf(path)
+            else:
+                self._write_csv(path, names)
+        except OSError as error:
+            raise SimulationError(f"cannot write {path}: {error.strerror or error}") from None
+        return path
+
+    def _write_csv(self, path: Path, names: tuple[str, ...] | None) -> None:
+        columns = self.columns(names)
+        with path.open("w", newline="", encoding="utf-8") as file:
+            file.write(f"# model {self.model.equations.name}, outcome {self.outcome.value}\n")
+            writer = csv.writer(file)
+            units = [self.unit(name) for name in columns]
+            writer.writerow(["time [s]", *(f"{n} [{u}]" if u else n for n, u in zip(columns, units, strict=True))])
+            writer.writerows([repr(float(v)) for v in row] for row in zip(self.t, *columns.values(), strict=True))
+
+    def _evaluate(self, names: tuple[str, ...], t: Array, x: Array, codes: Array) -> Array:
+        """Evaluate signals sample by sample in the equations of the sample's own mode."""
+        for name in names:
+            try:
+                self.model.expression(self.model.equations, name)
+            except KeyError:
+                raise unknown_name("signal", name, self.names) from None
+        out = numpy.empty((len(names), len(t)))
+        p = numpy.array([self.parameters[symbol.name] for symbol in self.model.equations.parameters])
+        u = at(self.inputs, t)
+        bits = 1 << numpy.arange(codes.shape[1])
+        masks = ((codes == 0) * bits).sum(axis=1).astype(int)
+        for mask in numpy.unique(masks):
+            here = masks == mask
+            function = self.model.signals(int(mask), names)
+            out[:, here] = function(t[None, here], x[:, here], u[:, here], p[:, None], codes[here].T)
+        return out
+
+
+def _inferred_units(model: CompiledModel) -> dict[str, str]:
+    from ..dimensions import infer
+
+    return {name: unit for name, unit in infer(model.equations.graph).units.items() if unit}
+
+
+def _optional(module: str) -> Any:
+    import importlib
+
+    try:
+        return importlib.import_module(module)
+    except ImportError:
+        raise BondGraphError(f"{module} is not installed; pip install 'halfarrow[data]'") from None

@@ -1,0 +1,25 @@
+"""Stability: is the steady state stable, what decides it, how far is the edge.
+
+`assess` finds the operating point, linearises there, tells which elements carry
+and which feed each mode, follows the eigenvalues along parameters, and says the
+result in words.
+"""
+
+from .assess import StabilityResult, assess
+from .edges import Edge
+from .locus import Gap, Locus, Vary, trace
+from .modal import Mode, modal_table
+from .verdict import verdict
+
+__all__ = [
+    "Edge",
+    "Gap",
+    "Locus",
+    "Mode",
+    "StabilityResult",
+    "Vary",
+    "assess",
+    "modal_table",
+    "trace",
+    "verdict",
+]

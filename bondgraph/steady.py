@@ -1,0 +1,307 @@
+"""Steady states: points where nothing changes, found by solving."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy
+
+from .equations import Equations, derive
+from .errors import SimulationError, SteadyStateError
+from .graph import BondGraph
+from .modes import SLIP_BACKWARD, SLIP_FORWARD, contacts, in_mode
+from .parameters import unknown_name
+from .smooth import Smooth
+from .values import initial_values, parameter_values
+
+MAX_ITERATIONS = 100
+MAX_MODE_CHANGES = 20
+
+Rates = Callable[[numpy.ndarray], numpy.ndarray]
+
+
+@dataclass(frozen=True, eq=False)
+class SteadyState:
+    """A point where nothing changes, in one mode.
+
+    Attributes
+    ----------
+    states : dict of str to float
+    outputs : dict of str to float
+    inputs : dict of str to float
+    parameters : dict of str to float
+        SI values used.
+    modes : dict of str to str
+        Mode of each contact at this point.
+    equations : Equations
+        Those of the mode: without contacts.
+    isolated : bool
+        Whether the point is the only one near by; False where a state is free,
+        such as the position of an unconstrained mass.
+    """
+
+    states: dict[str, float]
+    outputs: dict[str, float]
+    inputs: dict[str, float]
+    parameters: dict[str, float]
+    modes: dict[str, str]
+    equations: Equations
+    isolated: bool
+
+
+def steady_state(
+    graph: BondGraph,
+    parameters: Mapping[Any, Any] | None = None,
+    inputs: Mapping[Any, float] | None = None,
+    modes: Mapping[str, str] | None = None,
+    guess: Mapping[Any, float] | None = None,
+) -> SteadyState:
+    """Find a point where nothing changes.
+
+    Parameters
+    ----------
+    graph : BondGraph
+    parameters : mapping, optional
+        Values by name or symbol, in SI or with units.
+    inputs : mapping, optional
+        Constant inputs, zero unless given.
+    modes : mapping of str to str, optional
+        Fix the mode of contacts. Those not named start in the direction they
+        slip in at the initial state, and change until the point agrees with
+        its modes.
+    guess : mapping, optional
+        Start of the search by state; the initial state unless given.
+
+    Returns
+    -------
+    SteadyState
+
+    Raises
+    ------
+    SteadyStateError
+        When there is none near the start, or sources depend on time.
+
+    Examples
+    --------
+    >>> from bondgraph.models import bicycle_brake
+    >>> point = steady_state(bicycle_brake.graph(), {"mu_s": 0.42})
+    >>> round(point.outputs["slip"], 9), point.modes
+    (0.9, {'friction': 'slip+'})
+    """
+    fixed = dict(modes or {})
+    current = {**first_modes(graph, parameters, guess, fixed), **fixed}
+    tried = set()
+    for _ in range(MAX_MODE_CHANGES):
+        key = tuple(sorted(current.items()))
+        if key in tried:
+            break
+        tried.add(key)
+        point, wrong = _solve(graph, parameters, inputs, current, guess)
+        wrong = {name: mode for name, mode in wrong.items() if name not in fixed}
+        if not wrong:
+            return point
+        current |= wrong
+    raise SteadyStateError(
+        f"model {graph.name!r} has no steady state that agrees with its contacts' modes near the "
+        f"start; give modes={{...}} or another guess",
+        elements=list(current),
+    )
+
+
+def given_point(
+    graph: BondGraph,
+    parameters: Mapping[Any, Any] | None,
+    inputs: Mapping[Any, float] | None,
+    modes: Mapping[str, str] | None,
+    at: Mapping[Any, float],
+) -> SteadyState:
+    """Take a point as given, without solving; states not named keep their initial value.
+
+    Returns
+    -------
+    SteadyState
+        Not an equilibrium, but with everything evaluated there.
+    """
+    chosen = {**first_modes(graph, parameters, at, dict(modes or {})), **(modes or {})}
+    equations = derive(in_mode(graph, chosen))
+    values = parameter_values(equations, parameters)
+    start = initial_values(equations, values, at)
+    given = input_values(equations, inputs)
+    smooth = Smooth(equations, graph, held=values)
+    outputs = smooth.outputs(start, list(given.values()), smooth.vector(values))
+    return SteadyState(_named(equations, start), outputs, given, values, chosen, equations, True)
+
+
+def input_values(equations: Equations, inputs: Mapping[Any, float] | None) -> dict[str, float]:
+    """Return a finite value for each input, zero unless given.
+
+    Raises
+    ------
+    ParameterError
+        For a name that is no input.
+    SimulationError
+        For a value that is not finite.
+    """
+    values = {symbol.name: 0.0 for symbol in equations.inputs}
+    for key, value in (inputs or {}).items():
+        name = getattr(key, "name", key)
+        if name not in values:
+            raise unknown_name("input", str(name), values)
+        if not isinstance(value, int | float) or not numpy.isfinite(value):
+            raise SimulationError(
+                f"input {name!r} is {value!r}; a steady state needs a finite number"
+            )
+        values[name] = float(value)
+    return values
+
+
+def first_modes(
+    graph: BondGraph,
+    parameters: Mapping[Any, Any] | None,
+    start: Mapping[Any, float] | None,
+    fixed: Mapping[str, str],
+) -> dict[str, str]:
+    """Return the direction in which each open contact slips at the start."""
+    names = [name for name in contacts(graph) if name not in fixed]
+    if not names:
+        return {}
+    equations = derive(graph)
+    values = parameter_values(equations, parameters)
+    x = initial_values(equations, values, start)
+    numbers = {state.name: value for state, value in zip(equations.states, x, strict=True)} | values
+    found = {}
+    for contact in equations.contacts:
+        if contact.name in names:
+            slip = equations.substituted(contact.slip)
+            value = slip.evalf(
+                17, subs={symbol: numbers.get(symbol.name, 0.0) for symbol in slip.free_symbols}
+            )
+            found[contact.name] = SLIP_BACKWARD if value < 0 else SLIP_FORWARD
+    return found
+
+
+def _named(equations: Equations, x: Any) -> dict[str, float]:
+    return {state.name: float(value) for state, value in zip(equations.states, x, strict=True)}
+
+
+def _solve(
+    graph: BondGraph,
+    parameters: Mapping[Any, Any] | None,
+    inputs: Mapping[Any, float] | None,
+    modes: Mapping[str, str],
+    guess: Mapping[Any, float] | None,
+) -> tuple[SteadyState, dict[str, str]]:
+    """Solve in given modes; return the point and the modes its contacts would rather be in."""
+    equations = derive(in_mode(graph, modes))
+    values = parameter_values(equations, parameters)
+    given = input_values(equations, inputs)
+    smooth = Smooth(equations, graph, held=values)
+    known = {state.name for state in equations.states} | set(equations.outputs)
+    hints = {
+        key: value for key, value in (guess or {}).items() if getattr(key, "name", key) in known
+    }
+    u, p = list(given.values()), smooth.vector(values)
+    x, isolated = solve_rates(smooth, initial_values(equations, values, hints), u, p)
+    point = SteadyState(
+        _named(equations, x),
+        smooth.outputs(x, u, p),
+        given,
+        values,
+        dict(modes),
+        equations,
+        isolated,
+    )
+    better = {
+        name: found.better_mode(modes[name])
+        for name, found in smooth.contact_values(x, u, p).items()
+    }
+    return point, {name: mode for name, mode in better.items() if mode is not None}
+
+
+def solve_rates(smooth: Smooth, start: Any, u: Any, p: Any) -> tuple[numpy.ndarray, bool]:
+    """Find states at which all rates are zero, by damped Newton.
+
+    A singular Jacobian takes the shortest step in scaled states.
+
+    Parameters
+    ----------
+    smooth : Smooth
+    start, u, p : sequence of float
+        First states, inputs, parameter vector.
+
+    Returns
+    -------
+    x : (n,) array
+    isolated : bool
+        Whether the Jacobian has full rank there.
+
+    Raises
+    ------
+    SteadyStateError
+    """
+    x = numpy.array(start, dtype=float)
+    for _ in range(MAX_ITERATIONS):
+        residual, matrix = smooth.rates(x, u, p), smooth.state_matrix(x, u, p)
+        step, isolated = _step(matrix, residual)
+        if not numpy.isfinite(step).all():
+            break
+        size = _damping(lambda y: smooth.rates(y, u, p), x, step, residual, matrix)
+        x = x + size * step
+        if _converged(smooth.rates(x, u, p), matrix, x, size * step):
+            return x, isolated
+        if size == 0.0:
+            break
+    left = numpy.abs(smooth.rates(x, u, p)).max(initial=0.0)
+    raise SteadyStateError(
+        f"model {smooth.equations.name!r}: no steady state found near the start (largest rate "
+        f"left: {left:.3g}); a free motion may have none, otherwise give another guess"
+    )
+
+
+def _damping(
+    rates: Rates,
+    x: numpy.ndarray,
+    step: numpy.ndarray,
+    residual: numpy.ndarray,
+    matrix: numpy.ndarray,
+) -> float:
+    """Return the share of a Newton step that lessens the residual; zero where none does."""
+    size, before = 1.0, _worth(residual, matrix)
+    while size > 1e-6:
+        trial = rates(x + size * step)
+        if numpy.isfinite(trial).all() and _worth(trial, matrix) <= (1 - size / 4) * before:
+            return size
+        size /= 2
+    return 0.0
+
+
+def _step(matrix: numpy.ndarray, residual: numpy.ndarray) -> tuple[numpy.ndarray, bool]:
+    import scipy.linalg
+
+    if not matrix.size:
+        return numpy.zeros(0), True
+    if not (numpy.isfinite(matrix).all() and numpy.isfinite(residual).all()):
+        return numpy.full(len(residual), numpy.nan), False
+    balanced, transform = scipy.linalg.matrix_balance(matrix, permute=False)
+    scale = numpy.diag(transform)
+    solution, _, rank, _ = numpy.linalg.lstsq(balanced, -residual / scale, rcond=1e-12)
+    return solution * scale, bool(rank == len(matrix))
+
+
+def _worth(residual: numpy.ndarray, matrix: numpy.ndarray) -> float:
+    """Size of a residual, each row measured by its own Jacobian row."""
+    rows = numpy.abs(matrix).max(axis=1, initial=0.0)
+    return float(numpy.linalg.norm(residual / numpy.where(rows > 0, rows, 1.0)))
+
+
+def _converged(
+    residual: numpy.ndarray, matrix: numpy.ndarray, x: numpy.ndarray, step: numpy.ndarray
+) -> bool:
+    """Whether the rates are rounding noise beside the terms they are made of."""
+    terms = numpy.abs(matrix) @ (numpy.abs(x) + numpy.abs(step))
+    settled = (numpy.abs(step) <= 1e-10 * (numpy.abs(x) + 1e-300)) | (step == 0)
+    small = numpy.abs(residual) <= 1e-12 * terms + 1e-300
+    nearly = numpy.abs(residual) <= 1e-9 * terms + 1e-300
+    return bool(numpy.all(small) or (numpy.all(settled) and numpy.all(nearly)))
