@@ -13,10 +13,9 @@ Karnopp, Margolis, Rosenberg, System Dynamics, 5th ed., Wiley 2012, ch. 3 and 5.
 from __future__ import annotations
 
 from collections import deque
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from enum import Enum
-
-import networkx
 
 from .elements import C, Friction, GY, Element, I, Junction, One, R, Se, Sf, Storage, TF
 from .errors import CausalConflictError
@@ -36,6 +35,9 @@ class Reason(Enum):
 
 # Whether an element, left to itself, decides the effort of its bond.
 PREFERRED: dict[type[Element], bool] = {Se: True, Sf: False, C: True, I: False, Friction: True}
+
+# A message lists no more causes than these.
+MAX_CAUSES = 4
 
 
 @dataclass(frozen=True)
@@ -159,14 +161,42 @@ def assign_causality(graph: BondGraph) -> CausalGraph:
     )
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class _Cause:
-    """Why a bond has its stroke: kind, words, the element that asks, the bond it follows from."""
+    """Why a bond has its stroke.
+
+    A propagated cause has ``parent``, the bond it came along, and ``origins``, all causes it
+    follows from. Any other is a root: required (nothing blamed), chosen (blamed: its own
+    decision), or turned round (blamed: the decisions that forced it; ``told`` says how).
+    """
 
     reason: Reason
     because: str
     element: str
     parent: int | None = None
+    origins: tuple[_Cause, ...] = ()
+    blamed: frozenset[int] = frozenset()
+    told: str = ""
+    grounds: tuple[_Cause, ...] = ()
+
+
+@dataclass(frozen=True)
+class _Choice:
+    """A bond still free, the end whose effort is tried first, and whether the other may be."""
+
+    index: int
+    end: str
+    cause: _Cause
+    firm: bool = False
+
+
+@dataclass(frozen=True)
+class _Decision:
+    """A choice taken: its place in the order, and the length of the trail before it."""
+
+    choice: _Choice
+    position: int
+    mark: int
 
 
 class _Conflict(Exception):
@@ -181,40 +211,69 @@ class _Conflict(Exception):
 
 
 class _Scap:
-    """One run of SCAP over bond indices; choices can be taken back by a trail."""
+    """One run of SCAP over bond indices.
+
+    Where a choice holds neither way, the last earlier choice to blame is turned round (conflict
+    directed backjumping), so that a conflict is reported only where no assignment exists.
+    """
 
     def __init__(self, graph: BondGraph) -> None:
         self.graph = graph
         self.bonds: tuple[GraphBond, ...] = graph.bonds
-        self.network = networkx.MultiGraph()
-        self.network.add_nodes_from(graph.elements)
+        self.at: dict[str, list[int]] = {name: [] for name in graph.elements}
         for index, bond in enumerate(graph.bonds):
-            self.network.add_edge(bond.tail, bond.head, key=index)
-        self.at = {name: [key for _, _, key in self.network.edges(name, keys=True)] for name in graph.elements}
+            self.at[bond.tail].append(index)
+            self.at[bond.head].append(index)
         self.effort: dict[int, str] = {}
         self.cause: dict[int, _Cause] = {}
         self.trail: list[int] = []
 
     def run(self) -> None:
-        """Assign all bonds: sources, storage, one-way laws, then free choices."""
-        self._required((Se, Sf), Reason.SOURCE)
-        for name, element in self.graph.of(Storage):
-            self._prefer(name, PREFERRED[type(element)], Reason.INTEGRAL, "integral causality")
-        self._required((Friction,), Reason.LAW)
+        """Assign all bonds: sources, storage, friction, one-way laws, then free choices."""
+        for name, _ in self.graph.of((Se, Sf)):
+            source = self._wish(name, Reason.SOURCE)
+            try:
+                self._set(source.index, source.end, source.cause)
+            except _Conflict as conflict:
+                raise self._error(conflict) from None
+        self._assign(list(self._choices()))
+
+    def _choices(self) -> Iterator[_Choice]:
+        """All choices, in the order in which they are taken."""
+        for name, _ in self.graph.of(Storage):
+            yield self._wish(name, Reason.INTEGRAL)
+        for name, friction in self.graph.of(Friction):
+            yield self._wish(name, Reason.LAW, firm=friction.smoothing is None)
         for name, resistor in self.graph.of(R):
             if (resistor.effort is None) != (resistor.flow is None):
-                self._prefer(name, resistor.flow is None, Reason.LAW, "its law has one direction")
+                yield self._wish(name, Reason.LAW)
         for name, _ in self.graph.of(R):
-            self._prefer(name, True, Reason.ARBITRARY, "free choice")
+            yield self._wish(name, Reason.ARBITRARY)
         for index, bond in enumerate(self.bonds):
-            if index not in self.effort:
-                self._choose(index, bond.tail, _Cause(Reason.ARBITRARY, f"free choice at {bond.name}", bond.tail))
+            cause = _Cause(Reason.ARBITRARY, f"free choice at {bond.name}", bond.tail)
+            yield _Choice(index, bond.tail, cause)
+
+    def _wish(self, name: str, reason: Reason, firm: bool = False) -> _Choice:
+        """Return the causality that a one-port would have by itself."""
+        element = self.graph.elements[name]
+        out = element.effort is not None if isinstance(element, R) else PREFERRED[type(element)]
+        words = {
+            Reason.SOURCE: f"{element.kind} {name!r} decides its {'effort' if out else 'flow'}",
+            Reason.INTEGRAL: f"integral causality of {element.kind} {name!r}",
+            Reason.LAW: f"{element.kind} {name!r} gives its {'effort' if out else 'flow'} by its law",
+            Reason.ARBITRARY: f"free choice of {element.kind} {name!r}",
+        }
+        index = self.at[name][0]
+        return _Choice(index, name if out else self._other(index, name), _Cause(reason, words[reason], name), firm)
 
     def stroke(self, index: int) -> Stroke:
         """Return the finished stroke of one bond."""
         bond, cause = self.bonds[index], self.cause[index]
         effort = self.effort[index]
-        return Stroke(bond.name, effort, self._other(index, effort), cause.reason, cause.because)
+        words = cause.because if cause.parent is None else self._came(cause)
+        if cause.told:
+            words = f"{words}: {cause.told}"
+        return Stroke(bond.name, effort, self._other(index, effort), cause.reason, words)
 
     def is_integral(self, name: str, element: Storage) -> bool:
         """Whether a storage ended in integral causality."""
@@ -224,43 +283,48 @@ class _Scap:
         bond = self.bonds[index]
         return bond.head if end == bond.tail else bond.tail
 
-    def _required(self, kinds: tuple[type[Element], ...], reason: Reason) -> None:
-        for name, element in self.graph.elements.items():
-            if not isinstance(element, kinds):
-                continue
-            if isinstance(element, Friction) and element.smoothing is not None:
-                self._prefer(name, True, Reason.LAW, "its law has one direction")
-                continue
-            index = self.at[name][0]
-            out = PREFERRED[type(element)]
-            words = f"{element.kind} {name!r} decides its {'effort' if out else 'flow'}"
-            try:
-                self._set(index, name if out else self._other(index, name), _Cause(reason, words, name))
-            except _Conflict as conflict:
-                raise self._error(conflict) from None
+    def _assign(self, choices: Sequence[_Choice]) -> None:
+        """Take the choices in order."""
+        decisions: list[_Decision] = []
+        position = 0
+        while position < len(choices):
+            choice = choices[position]
+            if choice.index not in self.effort:
+                cause = replace(choice.cause, blamed=frozenset((len(decisions),)))
+                decisions.append(_Decision(choice, position, len(self.trail)))
+                conflict = self._attempt(choice.index, choice.end, cause)
+                if conflict is not None:
+                    position = self._repair(decisions, conflict)
+            position += 1
 
-    def _prefer(self, name: str, out: bool, reason: Reason, words: str) -> None:
-        index = self.at[name][0]
-        if index in self.effort:
-            return
-        element = self.graph.elements[name]
-        end = name if out else self._other(index, name)
-        self._choose(index, end, _Cause(reason, f"{words} of {element.kind} {name!r}", name))
+    def _repair(self, decisions: list[_Decision], conflict: _Conflict | None) -> int:
+        """Turn round the last choice to blame, as often as needed; return where to go on."""
+        while conflict is not None:
+            roots = _roots(conflict.causes)
+            blamed = frozenset().union(*(root.blamed for root in roots))
+            if not blamed or decisions[max(blamed)].choice.firm:
+                raise self._error(conflict)
+            last = max(blamed)
+            choice = decisions[last].choice
+            turned = _Cause(
+                Reason.DERIVATIVE if choice.cause.reason is Reason.INTEGRAL else Reason.PROPAGATED,
+                f"not {choice.cause.because}",
+                choice.cause.element,
+                blamed=blamed - {last},
+                told=self._told(conflict),
+                grounds=tuple(dict.fromkeys(ground for root in roots for ground in _grounds(root))),
+            )
+            self._undo(decisions[last].mark)
+            del decisions[last + 1 :]
+            conflict = self._attempt(choice.index, self._other(choice.index, choice.end), turned)
+        return decisions[-1].position
 
-    def _choose(self, index: int, end: str, cause: _Cause) -> None:
-        """Try a choice; take it back and turn it round where it cannot hold."""
-        mark = len(self.trail)
+    def _attempt(self, index: int, end: str, cause: _Cause) -> _Conflict | None:
         try:
             self._set(index, end, cause)
         except _Conflict as conflict:
-            first = self._error(conflict)
-            self._undo(mark)
-            reason = Reason.DERIVATIVE if cause.reason is Reason.INTEGRAL else Reason.PROPAGATED
-            turned = _Cause(reason, f"not {cause.because}: {first}", cause.element)
-            try:
-                self._set(index, self._other(index, end), turned)
-            except _Conflict as second:
-                raise self._error(second) from None
+            return conflict
+        return None
 
     def _undo(self, mark: int) -> None:
         while len(self.trail) > mark:
@@ -315,7 +379,8 @@ class _Scap:
             other = second if index == first else first
             out = self.effort[index] == name
             forced = out if isinstance(element, GY) else not out
-            return [(other, name if forced else self._other(other, name), self._passed(name, element, index))]
+            cause = self._passed(name, element, index, [index])
+            return [(other, name if forced else self._other(other, name), cause)]
         return []
 
     def _follow_junction(self, name: str, junction: Junction, index: int) -> list[tuple[int, str, _Cause]]:
@@ -325,11 +390,8 @@ class _Scap:
             causes = [self.cause[bond] for bond in deciding]
             raise _Conflict(name, f"two bonds decide its {junction.shared}", deciding, causes)
         if deciding and deciding[0] == index:
-            return [
-                (bond, self._end(bond, name, junction, False), self._passed(name, junction, index))
-                for bond in bonds
-                if bond != index
-            ]
+            cause = self._passed(name, junction, index, [index])
+            return [(bond, self._end(bond, name, junction, False), cause) for bond in bonds if bond != index]
         if deciding:
             return []
         free = [bond for bond in bonds if bond not in self.effort]
@@ -337,12 +399,18 @@ class _Scap:
             causes = [self.cause[bond] for bond in bonds]
             raise _Conflict(name, f"no bond decides its {junction.shared}", bonds, causes)
         if len(free) == 1:
-            return [(free[0], self._end(free[0], name, junction, True), self._passed(name, junction, index))]
+            cause = self._passed(name, junction, index, [bond for bond in bonds if bond != free[0]])
+            return [(free[0], self._end(free[0], name, junction, True), cause)]
         return []
 
-    def _passed(self, name: str, element: Element, index: int) -> _Cause:
-        root = self._root(self.cause[index])
-        return _Cause(Reason.PROPAGATED, f"through {element.kind} {name!r}, from: {root.because}", name, index)
+    def _passed(self, name: str, element: Element, index: int, given: list[int]) -> _Cause:
+        """Cause that an element hands on along ``index``, given the strokes of some of its bonds.
+
+        Chains of single origins are cut short, so that looking back does not cost their length.
+        """
+        causes = [self.cause[index], *(self.cause[bond] for bond in given if bond != index)]
+        origins = tuple(cause.origins[0] if len(cause.origins) == 1 else cause for cause in causes)
+        return _Cause(Reason.PROPAGATED, f"through {element.kind} {name!r}", name, index, origins)
 
     def _decides(self, bond: int, name: str, junction: Junction) -> bool:
         """Whether a bond brings the junction its shared variable."""
@@ -351,20 +419,59 @@ class _Scap:
     def _end(self, bond: int, name: str, junction: Junction, decides: bool) -> str:
         return name if decides == isinstance(junction, One) else self._other(bond, name)
 
-    def _error(self, conflict: _Conflict) -> CausalConflictError:
+    def _place(self, conflict: _Conflict) -> str:
         element = self.graph.elements[conflict.element]
-        suffix = "-junction" if isinstance(element, Junction) else ""
-        roots = [self._root(cause) for cause in conflict.causes]
-        words = list(dict.fromkeys(root.because for root in roots))
+        return f"{element.kind}{'-junction' if isinstance(element, Junction) else ''} {conflict.element!r}"
+
+    def _told(self, conflict: _Conflict) -> str:
+        return f"at {self._place(conflict)} {conflict.said}: {_listed(_roots(conflict.causes))}"
+
+    def _came(self, cause: _Cause) -> str:
+        """Say where a propagated stroke came from."""
+        root = cause
+        while root.origins:
+            root = root.origins[0]
+        return f"{cause.because}, from: {root.because}"
+
+    def _error(self, conflict: _Conflict) -> CausalConflictError:
+        """Name the causes that stand whatever is chosen, and the choices that were never free."""
+        roots = _roots(conflict.causes)
+        named = list(dict.fromkeys(cause for root in roots for cause in (_grounds(root) if root.told else (root,))))
+        where = f"causal conflict at {self._place(conflict)}: {conflict.said}"
+        if named:
+            message = f"{where}: {_listed(named)}; remove one of them, or put an R, C or I between"
+        else:
+            message = f"{where}, whatever is chosen elsewhere; the junctions alone contradict each other: part them by an R, C or I"
         return CausalConflictError(
-            f"causal conflict at {element.kind}{suffix} {conflict.element!r}: {conflict.said}: "
-            f"{' and '.join(words)}; remove one of them, or put an R, C or I between",
-            elements=list(dict.fromkeys([conflict.element, *(root.element for root in roots)])),
+            message,
+            elements=list(dict.fromkeys([conflict.element, *(cause.element for cause in named)])),
             bonds=list(dict.fromkeys(self.bonds[bond].name for bond in conflict.bonds)),
         )
 
-    def _root(self, cause: _Cause) -> _Cause:
-        """Follow a propagated cause back to the choice it comes from."""
-        while cause.parent is not None:
-            cause = self.cause[cause.parent]
-        return cause
+
+def _roots(causes: Iterable[_Cause]) -> list[_Cause]:
+    """Follow propagated causes back to all that they come from."""
+    found: dict[_Cause, None] = {}
+    seen: set[_Cause] = set()
+    stack = list(causes)[::-1]
+    while stack:
+        cause = stack.pop()
+        if cause in seen:
+            continue
+        seen.add(cause)
+        if not cause.origins:
+            found[cause] = None
+        stack.extend(cause.origins[::-1])
+    return list(found)
+
+
+def _grounds(root: _Cause) -> tuple[_Cause, ...]:
+    """Return the required causes behind a root; a choice has none."""
+    if root.told:
+        return root.grounds
+    return () if root.blamed else (root,)
+
+
+def _listed(causes: Iterable[_Cause]) -> str:
+    words = list(dict.fromkeys(cause.because for cause in causes))
+    return " and ".join(words if len(words) <= MAX_CAUSES else [*words[:MAX_CAUSES], "others"])

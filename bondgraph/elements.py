@@ -10,7 +10,7 @@ Every port variable and state is a sympy symbol (``x.e``, ``x.f``, ``c.q``,
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, fields
+from dataclasses import Field, dataclass, fields
 from typing import Any, ClassVar, Self
 
 import sympy
@@ -32,6 +32,11 @@ def _check_name(kind: str, name: Any) -> None:
 
 def _variable(name: str) -> sympy.Dummy:
     return sympy.Dummy(name, real=True)
+
+
+def _is_variable(field: Field[Any]) -> bool:
+    """Whether a field holds a variable of the element itself: a law may be another's bare symbol."""
+    return field.type == "sympy.Dummy"
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
@@ -57,18 +62,13 @@ class Element(Joinable):
     @property
     def symbols(self) -> dict[str, sympy.Dummy]:
         """Port variables and states by attribute name, as other laws use them."""
-        values = {field.name: getattr(self, field.name) for field in fields(self)}
-        return {key: value for key, value in values.items() if isinstance(value, sympy.Dummy)}
+        return {field.name: getattr(self, field.name) for field in fields(self) if _is_variable(field)}
 
     @property
     def laws(self) -> dict[str, sympy.Expr]:
         """Law expressions by attribute name."""
-        values = {field.name: getattr(self, field.name) for field in fields(self)}
-        return {
-            key: value
-            for key, value in values.items()
-            if isinstance(value, sympy.Expr) and not isinstance(value, sympy.Dummy)
-        }
+        values = {field.name: getattr(self, field.name) for field in fields(self) if not _is_variable(field)}
+        return {key: value for key, value in values.items() if isinstance(value, sympy.Expr)}
 
     def replaced(self, replacements: Mapping[sympy.Basic, sympy.Basic], name: str | None = None) -> Self:
         """Return a new element of the same kind with symbols exchanged throughout.

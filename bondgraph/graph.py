@@ -218,8 +218,8 @@ class BondGraph:
         """Return the bonds of one element, in the order written."""
         return tuple(bond for bond in self.bonds if name in (bond.tail, bond.head))
 
-    def of(self, kind: type) -> Iterator[tuple[str, Any]]:
-        """Iterate over qualified name and element of one class."""
+    def of(self, kind: type | tuple[type, ...]) -> Iterator[tuple[str, Any]]:
+        """Iterate over qualified name and element of one class, or of any of several."""
         return ((name, element) for name, element in self.elements.items() if isinstance(element, kind))
 
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import difflib
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -107,7 +107,7 @@ def unknown_name(kind: str, name: str, known: Iterable[str]) -> ParameterError:
 def resolve(
     table: Mapping[sympy.Symbol, Parameter], overrides: Mapping[Any, Any] | None = None, *, partial: bool = False
 ) -> dict[str, float]:
-    """Evaluate all parameters to SI numbers.
+    """Evaluate all parameters to SI numbers, once; see `Resolver` for many times.
 
     Parameters
     ----------
@@ -135,17 +135,114 @@ def resolve(
     >>> resolve({k: Parameter(2, "N/m"), m: Parameter(k / f**2), f: Parameter(2, "Hz")}, {"k": (1, "N/mm")})["m"]
     250.0
     """
-    by_name = {symbol.name: symbol for symbol in table}
-    given: dict[sympy.Symbol, float] = {}
-    for key, value in (overrides or {}).items():
-        name = key.name if isinstance(key, sympy.Symbol) else str(key)
-        if name not in by_name:
-            raise unknown_name("parameter", name, by_name)
-        given[by_name[name]] = _override(name, value, table[by_name[name]])
-    values: dict[sympy.Symbol, float] = {}
+    return Resolver(table)(overrides, partial=partial)
+
+
+class Resolver:
+    """Evaluates a parameter table again and again; expressions are compiled once.
+
+    Parameters
+    ----------
+    table : mapping of Symbol to Parameter
+
+    Raises
+    ------
+    ParameterError
+        For circular expressions, and for symbols that are not in the table.
+
+    Examples
+    --------
+    >>> k, m = sympy.symbols("k m", positive=True)
+    >>> values = Resolver({k: Parameter(8.0), m: Parameter(k / 2)})
+    >>> values()["m"], values({"k": 4})["m"]
+    (4.0, 2.0)
+    """
+
+    def __init__(self, table: Mapping[sympy.Symbol, Parameter]) -> None:
+        self._table = table
+        self._by_name = {symbol.name: symbol for symbol in table}
+        self._order = _in_order(table)
+        self._plain = {
+            symbol: to_si(row.value, row.unit) if row.unit else float(row.value)
+            for symbol, row in table.items()
+            if row.value is not None and not row.derived
+        }
+        self._functions: dict[sympy.Symbol, tuple[tuple[sympy.Symbol, ...], Callable[..., Any]]] = {}
+
+    def __call__(self, overrides: Mapping[Any, Any] | None = None, *, partial: bool = False) -> dict[str, float]:
+        """Return SI values by name; see `resolve`."""
+        given = self._given(overrides or {})
+        values: dict[sympy.Symbol, float] = {}
+        for symbol in self._order:
+            number = self._value(symbol, given, values, partial)
+            if number is not None:
+                values[symbol] = _admissible(symbol, number)
+        return {symbol.name: values[symbol] for symbol in self._table if symbol in values}
+
+    def _given(self, overrides: Mapping[Any, Any]) -> dict[sympy.Symbol, float]:
+        given = {}
+        for key, value in overrides.items():
+            name = key.name if isinstance(key, sympy.Symbol) else str(key)
+            if name not in self._by_name:
+                raise unknown_name("parameter", name, self._by_name)
+            symbol = self._by_name[name]
+            given[symbol] = _override(name, value, self._table[symbol])
+        return given
+
+    def _value(
+        self,
+        symbol: sympy.Symbol,
+        given: Mapping[sympy.Symbol, float],
+        values: Mapping[sympy.Symbol, float],
+        partial: bool,
+    ) -> float | None:
+        row = self._table[symbol]
+        if symbol in given:
+            return given[symbol]
+        if symbol in self._plain:
+            return self._plain[symbol]
+        if row.value is None:
+            if partial:
+                return None
+            raise ParameterError(
+                f"parameter {symbol.name!r} has no value; give it, e.g. parameters={{{symbol.name!r}: 1.0}}"
+            )
+        arguments, function = self._function(symbol, row.value)
+        if not all(argument in values for argument in arguments):
+            return None
+        return _number(symbol.name, row.value, {argument: values[argument] for argument in arguments}, function)
+
+    def _function(
+        self, symbol: sympy.Symbol, expression: sympy.Expr
+    ) -> tuple[tuple[sympy.Symbol, ...], Callable[..., Any]]:
+        if symbol not in self._functions:
+            arguments = tuple(sorted(expression.free_symbols, key=lambda item: item.name))
+            self._functions[symbol] = arguments, sympy.lambdify(arguments, expression, modules="math")
+        return self._functions[symbol]
+
+
+def _in_order(table: Mapping[sympy.Symbol, Parameter]) -> list[sympy.Symbol]:
+    """Sort parameters so that each comes after those it is derived from."""
+    order: dict[sympy.Symbol, None] = {}
+
+    def visit(symbol: sympy.Symbol, path: tuple[sympy.Symbol, ...]) -> None:
+        if symbol in order:
+            return
+        if symbol in path:
+            loop = " -> ".join(item.name for item in (*path[path.index(symbol) :], symbol))
+            raise ParameterError(f"parameters are defined in a circle: {loop}; give one of them a number")
+        if symbol not in table:
+            raise ParameterError(
+                f"parameter {path[-1].name!r} uses {symbol.name!r}, which is no parameter; add it to the table"
+            )
+        if table[symbol].derived:
+            for item in sorted(table[symbol].value.free_symbols, key=lambda item: item.name):
+                visit(item, (*path, symbol))
+        order[symbol] = None
+
     for symbol in table:
-        _evaluate(symbol, table, given, values, (), partial)
-    return {symbol.name: values[symbol] for symbol in table if symbol in values}
+        visit(symbol, ())
+    return list(order)
 
 
 def _override(name: str, value: Any, row: Parameter) -> float:
@@ -164,45 +261,14 @@ def _override(name: str, value: Any, row: Parameter) -> float:
         raise ParameterError(f"parameter {name!r}: {error}") from None
 
 
-def _evaluate(
-    symbol: sympy.Symbol,
-    table: Mapping[sympy.Symbol, Parameter],
-    given: Mapping[sympy.Symbol, float],
-    values: dict[sympy.Symbol, float],
-    path: tuple[sympy.Symbol, ...],
-    partial: bool,
-) -> float | None:
-    """Evaluate one parameter after those it depends on."""
-    if symbol in values:
-        return values[symbol]
-    if symbol in path:
-        loop = " -> ".join(item.name for item in (*path[path.index(symbol) :], symbol))
-        raise ParameterError(f"parameters are defined in a circle: {loop}; give one of them a number")
-    if symbol not in table:
-        user = f"parameter {path[-1].name!r}" if path else "the model"
-        raise ParameterError(f"{user} uses {symbol.name!r}, which is no parameter; add it to the table")
-    row = table[symbol]
-    if symbol in given:
-        number = given[symbol]
-    elif row.value is None:
-        if partial:
-            return None
-        raise ParameterError(f"parameter {symbol.name!r} has no value; give it, e.g. parameters={{{symbol.name!r}: 1.0}}")
-    elif row.derived:
-        inner = sorted(row.value.free_symbols, key=lambda item: item.name)
-        parts = [_evaluate(item, table, given, values, (*path, symbol), partial) for item in inner]
-        if any(part is None for part in parts):
-            return None
-        number = _number(symbol.name, row.value, dict(zip(inner, parts, strict=True)))
-    else:
-        number = to_si(row.value, row.unit) if row.unit else float(row.value)
-    values[symbol] = _admissible(symbol, number)
-    return values[symbol]
-
-
-def _number(name: str, expression: sympy.Expr, values: Mapping[sympy.Symbol, float | None]) -> float:
+def _number(
+    name: str,
+    expression: sympy.Expr,
+    values: Mapping[sympy.Symbol, float],
+    function: Callable[..., Any],
+) -> float:
     try:
-        return float(expression.evalf(17, subs=values))
+        return float(function(*values.values()))
     except (TypeError, ValueError, ZeroDivisionError, OverflowError):
         shown = ", ".join(f"{key.name} = {value:g}" for key, value in values.items())
         raise ParameterError(f"parameter {name!r} = {expression} has no real value at {shown}") from None

@@ -145,6 +145,10 @@ class Smooth:
         """Return the Jacobian of the rates, shape (n, n)."""
         return self._state_matrix(x, u, p).full()
 
+    def symbolic(self, x: Any, u: Any, p: Any) -> Any:
+        """Return the rates as a CasADi expression in symbolic arguments."""
+        return self._rates(x, u, p)
+
     def outputs(self, x: Vector, u: Vector, p: Vector) -> dict[str, float]:
         """Return the outputs by name."""
         found = self._outputs(x, u, p).full().ravel()

@@ -242,66 +242,86 @@ def solve_rates(smooth: Smooth, start: Any, u: Any, p: Any) -> tuple[numpy.ndarr
     SteadyStateError
     """
     x = numpy.array(start, dtype=float)
+    residual = smooth.rates(x, u, p)
+    isolated, settled = True, False
     for _ in range(MAX_ITERATIONS):
-        residual, matrix = smooth.rates(x, u, p), smooth.state_matrix(x, u, p)
-        step, isolated = _step(matrix, residual)
-        if not numpy.isfinite(step).all():
+        newton = _Newton(smooth.state_matrix(x, u, p), residual)
+        if not numpy.isfinite(newton.step).all():
             break
-        size = _damping(lambda y: smooth.rates(y, u, p), x, step, residual, matrix)
-        x = x + size * step
-        if _converged(smooth.rates(x, u, p), matrix, x, size * step):
-            return x, isolated
+        isolated = newton.isolated
+        size, trial = _damped(lambda y: smooth.rates(y, u, p), x, newton)
         if size == 0.0:
+            settled = newton.balanced(x, residual)
             break
-    left = numpy.abs(smooth.rates(x, u, p)).max(initial=0.0)
+        x, residual = x + size * newton.step, trial
+        # one more step after the first small one: Newton doubles the digits each time
+        if settled:
+            break
+        settled = size == 1.0 and newton.small(x) and newton.balanced(x, residual)
+    if settled:
+        return x, isolated
+    left = numpy.abs(residual).max(initial=0.0)
     raise SteadyStateError(
         f"model {smooth.equations.name!r}: no steady state found near the start (largest rate "
         f"left: {left:.3g}); a free motion may have none, otherwise give another guess"
     )
 
 
-def _damping(
-    rates: Rates,
-    x: numpy.ndarray,
-    step: numpy.ndarray,
-    residual: numpy.ndarray,
-    matrix: numpy.ndarray,
-) -> float:
-    """Return the share of a Newton step that lessens the residual; zero where none does."""
-    size, before = 1.0, _worth(residual, matrix)
+class _Newton:
+    """One Newton step, with sizes measured in states scaled to balance the Jacobian."""
+
+    def __init__(self, matrix: numpy.ndarray, residual: numpy.ndarray) -> None:
+        import scipy.linalg
+
+        self.isolated = True
+        self.step = numpy.full(len(residual), numpy.nan)
+        if not matrix.size:
+            self.step = numpy.zeros(0)
+        elif numpy.isfinite(matrix).all() and numpy.isfinite(residual).all():
+            self.matrix, transform = scipy.linalg.matrix_balance(matrix, permute=False)
+            self.scale = numpy.diag(transform)
+            self.rows = _largest(self.matrix)
+            solution, _, rank, _ = numpy.linalg.lstsq(
+                self.matrix, -residual / self.scale, rcond=1e-12
+            )
+            self.step = solution * self.scale
+            self.isolated = bool(rank == len(matrix))
+        self.residual = residual
+
+    def worth(self, residual: numpy.ndarray) -> float:
+        """Size of a residual, each row measured by its own Jacobian row."""
+        if not len(residual):
+            return 0.0
+        return float(numpy.linalg.norm(residual / self.scale / self.rows))
+
+    def small(self, x: numpy.ndarray) -> bool:
+        """Whether the step is small beside the states."""
+        if not len(x):
+            return True
+        reach = numpy.abs(x / self.scale).max()
+        return bool(numpy.abs(self.step / self.scale).max() <= 1e-8 * reach)
+
+    def balanced(self, x: numpy.ndarray, residual: numpy.ndarray) -> bool:
+        """Whether the rates are rounding noise beside the terms they are made of."""
+        if not len(x):
+            return True
+        sizes = numpy.abs(x / self.scale)
+        terms = numpy.abs(self.matrix) @ sizes
+        floor = 1e-13 * numpy.abs(self.matrix).max() * sizes.max()
+        return bool(numpy.all(numpy.abs(residual / self.scale) <= 1e-9 * terms + floor))
+
+
+def _damped(rates: Rates, x: numpy.ndarray, newton: _Newton) -> tuple[float, numpy.ndarray]:
+    """Return the share of a step that lessens the residual, and what it leaves; zero where none."""
+    size, before = 1.0, newton.worth(newton.residual)
     while size > 1e-6:
-        trial = rates(x + size * step)
-        if numpy.isfinite(trial).all() and _worth(trial, matrix) <= (1 - size / 4) * before:
-            return size
+        trial = rates(x + size * newton.step)
+        if numpy.isfinite(trial).all() and newton.worth(trial) <= (1 - size / 4) * before:
+            return size, trial
         size /= 2
-    return 0.0
+    return 0.0, newton.residual
 
 
-def _step(matrix: numpy.ndarray, residual: numpy.ndarray) -> tuple[numpy.ndarray, bool]:
-    import scipy.linalg
-
-    if not matrix.size:
-        return numpy.zeros(0), True
-    if not (numpy.isfinite(matrix).all() and numpy.isfinite(residual).all()):
-        return numpy.full(len(residual), numpy.nan), False
-    balanced, transform = scipy.linalg.matrix_balance(matrix, permute=False)
-    scale = numpy.diag(transform)
-    solution, _, rank, _ = numpy.linalg.lstsq(balanced, -residual / scale, rcond=1e-12)
-    return solution * scale, bool(rank == len(matrix))
-
-
-def _worth(residual: numpy.ndarray, matrix: numpy.ndarray) -> float:
-    """Size of a residual, each row measured by its own Jacobian row."""
+def _largest(matrix: numpy.ndarray) -> numpy.ndarray:
     rows = numpy.abs(matrix).max(axis=1, initial=0.0)
-    return float(numpy.linalg.norm(residual / numpy.where(rows > 0, rows, 1.0)))
-
-
-def _converged(
-    residual: numpy.ndarray, matrix: numpy.ndarray, x: numpy.ndarray, step: numpy.ndarray
-) -> bool:
-    """Whether the rates are rounding noise beside the terms they are made of."""
-    terms = numpy.abs(matrix) @ (numpy.abs(x) + numpy.abs(step))
-    settled = (numpy.abs(step) <= 1e-10 * (numpy.abs(x) + 1e-300)) | (step == 0)
-    small = numpy.abs(residual) <= 1e-12 * terms + 1e-300
-    nearly = numpy.abs(residual) <= 1e-9 * terms + 1e-300
-    return bool(numpy.all(small) or (numpy.all(settled) and numpy.all(nearly)))
+    return numpy.where(rows > 0, rows, 1.0)

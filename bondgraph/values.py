@@ -10,11 +10,13 @@ import sympy
 
 from .equations import Equations
 from .errors import ParameterError
-from .parameters import as_parameter, resolve, unknown_name
+from .parameters import Resolver, as_parameter, unknown_name
 from .units import to_si
 
 
-def parameter_values(equations: Equations, overrides: Mapping[Any, Any] | None = None) -> dict[str, float]:
+def parameter_values(
+    equations: Equations, overrides: Mapping[Any, Any] | None = None, resolver: Resolver | None = None
+) -> dict[str, float]:
     """Resolve the graph's parameters; all that the equations use must have a value.
 
     Parameters
@@ -22,6 +24,8 @@ def parameter_values(equations: Equations, overrides: Mapping[Any, Any] | None =
     equations : Equations
     overrides : mapping, optional
         By name or symbol; see `bondgraph.parameters.resolve`.
+    resolver : Resolver, optional
+        That of the graph's table, where one is kept for many evaluations.
 
     Returns
     -------
@@ -39,7 +43,7 @@ def parameter_values(equations: Equations, overrides: Mapping[Any, Any] | None =
     >>> parameter_values(derive(mass_on_belt.graph()), {"k": (1, "N/cm")})["k"]
     100.0
     """
-    values = resolve(equations.graph.parameters, overrides, partial=True)
+    values = (resolver or Resolver(equations.graph.parameters))(overrides, partial=True)
     missing = [symbol.name for symbol in equations.parameters if symbol.name not in values]
     if missing:
         raise ParameterError(
@@ -81,9 +85,9 @@ def initial_values(
     >>> initial_values(equations, parameter_values(equations), {"v": 0.5})
     [0.5, 0.0]
     """
-    numbers = {symbol: value for symbol, value in _by_symbol(equations, values).items()}
+    numbers = _by_symbol(equations, values)
     start = {
-        state: _real(f"initial value of {state.name!r}", initial.evalf(17, subs=numbers))
+        state: _real(f"initial value of {state.name!r}", _evaluated(initial, numbers))
         for state, initial in zip(equations.states, equations.initial, strict=True)
     }
     names = {state.name: state for state in equations.states}
@@ -109,6 +113,10 @@ def _si(name: str, value: Any) -> float:
 
 def _by_symbol(equations: Equations, values: Mapping[str, float]) -> dict[sympy.Symbol, float]:
     return {symbol: values[symbol.name] for symbol in equations.graph.parameters if symbol.name in values}
+
+
+def _evaluated(expression: sympy.Expr, numbers: Mapping[sympy.Symbol, float]) -> sympy.Expr:
+    return expression if expression.is_Number else expression.evalf(17, subs=numbers)
 
 
 def _real(what: str, value: Any) -> float:

@@ -53,8 +53,8 @@ def _from_library(word: str) -> BondGraph:
 
     if word not in models.LIBRARY:
         near = difflib.get_close_matches(word, models.LIBRARY, n=2)
-        hint = f"did you mean {' or '.join(near)}?" if near else f"there is {', '.join(models.LIBRARY)}"
-        raise ModelError(f"model {word!r} is not in the library; {hint} Files are given as file.py:name or file.toml")
+        hint = f"did you mean {' or '.join(near)}?" if near else f"it holds {', '.join(models.LIBRARY)};"
+        raise ModelError(f"model {word!r} is not in the library; {hint} a file is given as file.py:name or file.toml")
     graph = getattr(models, word).graph()
     assert isinstance(graph, BondGraph)
     return graph

@@ -62,10 +62,10 @@ typedef struct {
     /* private */
     i64 phase, outcome, mode, knot, next_eval, started, keep_step, unresolved, event_pending;
     i64 after_rejection, bad, shrinks, halvings, futile, settled, dense_ready;
-    double h, h_used, t_new, t_begin, error_old, energy;
+    double h, h_used, t_new, t_begin, log_error, energy;
     double *x, *x_new, *K[7], *stage, *dense[5], *u, *s, *s_probe, *floor, *wobbled;
     double *sample[5], *probe, *noise, *probe_noise, *instants;
-    signed char *next, *armed, *armed_low, *fired;
+    signed char *next, *armed, *armed_low, *fired, *fresh;
 } Run;
 
 /* ---------------------------------------------------------------------------- constants */
@@ -94,7 +94,7 @@ i64 halfarrow_work_size(i64 n, i64 m, i64 k)
     return 17 * (n + 2) + m + 2 * k + 16 * k + WINDOW(k);
 }
 
-i64 halfarrow_flag_size(i64 k) { return 4 * k; }
+i64 halfarrow_flag_size(i64 k) { return 5 * k; }
 
 i64 halfarrow_run_size(void) { return (i64)sizeof(Run); }
 
@@ -128,6 +128,7 @@ static void lay_out(Run *r)
     r->armed = r->flags + k;
     r->armed_low = r->flags + 2 * k;
     r->fired = r->flags + 3 * k;
+    r->fresh = r->flags + 4 * k;
 }
 
 /* ---------------------------------------------------------------------------- model */
@@ -525,18 +526,21 @@ static double find_dip(Run *r, int before, int *low)
     return 0;
 }
 
-/* Whether a guard wobbles so much between the samples that a dip below zero could hide there. */
-static int guards_unresolved(const Run *r)
+/*
+ * Whether a guard wobbles so much that a dip below zero could hide between samples before `first`.
+ * The state's error control does not see a force that depends on time alone while all is stuck.
+ */
+static int guards_unresolved(const Run *r, int first)
 {
     for (i64 j = 0; j < r->k; j++) {
         double least = INFINITY, change = 0;
         if (!r->armed[j]) continue;
         const Curve curve = make_curve(r, j);
-        for (int c = 0; c < 5; c++) least = smaller(least, r->sample[c][j]);
+        for (int c = 0; c < first; c++) least = smaller(least, r->sample[c][j]);
         for (int c = 1; c < 5; c++)
             change = larger(change, fabs(r->sample[c][r->k + j] - r->sample[c - 1][r->k + j]));
         const double rough = roughness(&curve);
-        if (rough > 0.1 * change && rough > 0.5 * least) return 1;
+        if (rough > 0.1 * change && rough > 0.1 * least) return 1;
     }
     return 0;
 }
@@ -605,6 +609,11 @@ static int search(Run *r, double h)
     guard(r, r->t + h, r->x_new, r->sample[4]);
 
     const int first = first_below(r);
+    if (r->halvings < MAX_HALVINGS && guards_unresolved(r, first)) {
+        r->halvings++;
+        r->h = 0.5 * h;
+        return RETRY;
+    }
     if ((part = find_dip(r, first, &low)) > 0) {
         ; /* armed_low is as at the sample before the dip */
     } else if (first < 5) {
@@ -622,11 +631,6 @@ static int search(Run *r, double h)
             }
         }
     } else {
-        if (r->halvings < MAX_HALVINGS && guards_unresolved(r)) {
-            r->halvings++;
-            r->h = 0.5 * h;
-            return RETRY;
-        }
         memcpy(r->armed, r->armed_low, (size_t)k);
         return WHOLE;
     }
@@ -668,7 +672,7 @@ static i64 begin(Run *r)
     }
     r->knot = -1;
     while (r->knot + 1 < r->n_knots && r->knots[r->knot + 1] <= r->t) r->knot++;
-    r->error_old = 1e-4;
+    r->log_error = log(1e-4);
     r->phase = CLASSIFY;
     return zero != 0 ? conclude(r, NON_FINITE) : CONTINUE;
 }
@@ -760,6 +764,7 @@ static i64 classify(Run *r)
             /* 150 times the rounding of one evaluation: what a long stick may have gathered */
             const int still = fabs(slip) <= 150 * r->probe_noise[k + j];
             r->next[j] = (signed char)(still ? 0 : sign(slip));
+            r->fresh[j] = (signed char)still;
         }
         if ((status = release(r)) != CONTINUE)
             return status == NON_FINITE ? conclude(r, status) : status;
@@ -779,6 +784,7 @@ static i64 settle(Run *r)
         r->next[j] = r->code[j];
         if (r->fired[j] && !slips) r->next[j] = (signed char)sign(force[j]);
         if ((r->fired[j] || rests) && slips) r->next[j] = 0;
+        r->fresh[j] = r->fired[j] || rests || !slips;
         early |= r->fired[j] && !r->armed_low[j];
     }
     const i64 status = release(r);
@@ -811,14 +817,16 @@ static i64 restart(Run *r)
     if (r->k) {
         measure(r, mode, r->code, r->sample[0], r->noise);
         for (i64 j = 0; j < r->k; j++) {
-            /* what was settled here holds, even where it is a rounding error on the wrong side */
-            r->noise[j] = larger(r->noise[j], -2 * r->sample[0][j]);
+            /* The slip of a switch that starts to slip is zero, but for rounding (gathered over
+             * a whole stick). What was settled holds even where rounding says otherwise. */
+            const double g = r->sample[0][j], off = r->code[j] && r->fresh[j] ? fabs(g) : -g;
+            r->noise[j] = larger(r->noise[j], 1.1 * off);
             r->armed[j] = r->sample[0][j] > r->noise[j];
         }
     }
     if (!r->keep_step) {
         first_step(r);
-        r->error_old = 1e-4;
+        r->log_error = log(1e-4);
     }
     r->keep_step = 0;
     r->bad = r->shrinks = r->halvings = r->after_rejection = 0;
@@ -829,13 +837,14 @@ static i64 restart(Run *r)
 /* Proposal for the step after one of length h with error `error`. */
 static void control(Run *r, double h, double error, int clipped)
 {
-    const double slowed = pow(error, 0.2 - 0.75 * BETA) / pow(r->error_old, BETA);
+    const double log_error = log(larger(error, DBL_MIN));
+    const double slowed = exp((0.2 - 0.75 * BETA) * log_error - BETA * r->log_error);
     const double factor = larger(1 / FAC_MAX, smaller(1 / FAC_MIN, slowed / SAFETY));
     double next = h / factor;
     if (r->after_rejection) next = smaller(next, h);
     else if (clipped) next = larger(next, r->h);
     r->h = next;
-    r->error_old = larger(error, 1e-4);
+    r->log_error = larger(log_error, log(1e-4));
     r->after_rejection = 0;
 }
 

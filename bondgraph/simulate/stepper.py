@@ -127,10 +127,11 @@ class Stepper:
         self.armed = np.zeros(k, dtype=bool)
         self.armed_low = np.zeros(k, dtype=bool)
         self.fired = np.zeros(k, dtype=bool)
+        self.fresh = np.zeros(k, dtype=bool)
         window = 64 + 8 * k
         self.instants: deque[float] = deque(maxlen=window)
 
-        self.h, self.error_old = 0.0, 1e-4
+        self.h, self.log_error = 0.0, math.log(1e-4)
         self.bad = self.shrinks = self.halvings = self.futile = 0
         self.after_rejection = self.started = self.keep_step = False
         self.steps = self.rejected = self.evaluations = self.next_eval = 0
@@ -315,13 +316,13 @@ class Stepper:
                 return int(z), 0.25 * z
         return None
 
-    def guards_unresolved(self) -> bool:
-        """Whether a dip below zero could hide between the samples."""
+    def guards_unresolved(self, first: int) -> bool:
+        """Whether a dip below zero could hide between samples before `first`."""
         a, b = self.curves()
         rough = np.abs(a[4]) + np.abs(b[4])
         change = np.abs(np.diff(self.sample[:, self.k :], axis=0)).max(axis=0)
-        least = self.sample[:, : self.k].min(axis=0)
-        return bool(np.any(self.armed & (rough > 0.1 * change) & (rough > 0.5 * least)))
+        least = self.sample[:first, : self.k].min(axis=0)
+        return bool(np.any(self.armed & (rough > 0.1 * change) & (rough > 0.1 * least)))
 
     def locate(self, h: float, low: float, high: float) -> bool:
         """The event in (low, high]; false when the step was cut at `high` instead."""
@@ -371,6 +372,10 @@ class Stepper:
         self.sample[4] = self.guard(self.t + h, self.x_new[: self.n])
 
         first = self.first_below()
+        if self.halvings < MAX_HALVINGS and self.guards_unresolved(first):
+            self.halvings += 1
+            self.h = 0.5 * h
+            raise _Retry
         dip = self.find_dip(first)
         if dip is not None:
             low, part = dip
@@ -383,10 +388,6 @@ class Stepper:
                 self.h = 0.125 * h
                 raise _Retry
         else:
-            if self.halvings < MAX_HALVINGS and self.guards_unresolved():
-                self.halvings += 1
-                self.h = 0.5 * h
-                raise _Retry
             self.armed = self.armed_low
             return False
 
@@ -446,7 +447,8 @@ class Stepper:
             g, noise = self.measure(code)
             if not np.isfinite(g[k:]).all():
                 raise _End(Outcome.NON_FINITE)
-            code = np.where(np.abs(g[k:]) <= 150 * noise[k:], 0, _signs(g[k:]))
+            self.fresh = np.abs(g[k:]) <= 150 * noise[k:]
+            code = np.where(self.fresh, 0, _signs(g[k:]))
             self.release(code)
         self.adopt(code)
 
@@ -457,6 +459,7 @@ class Stepper:
         rests = slips & self.armed_low & (self.sample[0, :k] <= self.noise)
         code = np.where(self.fired & ~slips, _signs(self.sample[0, k:]), self.code)
         code = np.where((self.fired | rests) & slips, 0, code)
+        self.fresh = self.fired | rests | ~slips
         self.release(code)
 
         window = self.instants.maxlen or 0
@@ -481,24 +484,26 @@ class Stepper:
         if self.k:
             self.sample[0], noise = self.measure(self.code)
             g = self.sample[0, : self.k]
-            self.noise = np.maximum(noise[: self.k], -2 * g)
+            off = np.where((self.code != 0) & self.fresh, np.abs(g), -g)
+            self.noise = np.maximum(noise[: self.k], 1.1 * off)
             self.armed = g > self.noise
         if not self.keep_step:
             self.first_step()
-            self.error_old = 1e-4
+            self.log_error = math.log(1e-4)
         self.keep_step = self.after_rejection = False
         self.bad = self.shrinks = self.halvings = 0
 
     def control(self, h: float, error: float, clipped: bool) -> None:
         """Proposal for the step after one of length h."""
-        slowed = error ** (0.2 - 0.75 * BETA) / self.error_old**BETA
+        log_error = math.log(max(error, TINY))
+        slowed = math.exp((0.2 - 0.75 * BETA) * log_error - BETA * self.log_error)
         proposal = h / max(1 / FAC_MAX, min(1 / FAC_MIN, slowed / SAFETY))
         if self.after_rejection:
             proposal = min(proposal, h)
         elif clipped:
             proposal = max(proposal, self.h)
         self.h = proposal
-        self.error_old = max(error, 1e-4)
+        self.log_error = max(log_error, math.log(1e-4))
         self.after_rejection = False
 
     def reject(self, h: float) -> None:

@@ -21,6 +21,7 @@ from ..elements import C, Storage
 from ..equations import Equations, derive
 from ..errors import SimulationError
 from ..graph import TIME, BondGraph
+from ..parameters import Resolver
 from .hybrid import ModeFunctions, ModeTable
 
 Array = numpy.ndarray
@@ -41,6 +42,8 @@ class CompiledModel:
         With all contacts slipping.
     modes : ModeTable
         Functions by structural mode: the bit mask of stuck contacts.
+    resolver : Resolver
+        Evaluates the parameter table.
 
     Raises
     ------
@@ -59,6 +62,7 @@ class CompiledModel:
         self._equations: dict[int, Equations] = {}
         self.equations = self.in_mask(0)
         self.contact_names = tuple(contact.name for contact in self.equations.contacts)
+        self.resolver = Resolver(self.equations.graph.parameters)
         sizes = (len(self.equations.states), len(self.equations.inputs), len(self.contact_names))
         self.modes = ModeTable(*sizes, self._functions)
         self._signals: dict[tuple[int, tuple[str, ...]], Callable[..., Any]] = {}

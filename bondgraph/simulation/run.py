@@ -88,7 +88,7 @@ def simulate(
     model = graph if isinstance(graph, CompiledModel) else CompiledModel(graph)
     span = _span(t_span)
     equations = model.equations
-    values = parameter_values(equations, parameters)
+    values = parameter_values(equations, parameters, model.resolver)
     table = gather(equations, inputs)
     x0 = numpy.array(initial_values(equations, values, initial), dtype=float)
     p = numpy.array([values[symbol.name] for symbol in equations.parameters], dtype=float)

@@ -212,9 +212,7 @@ class _Variations:
         return _largest_first({name: part for name, part in parts.items() if abs(part) > threshold})
 
 
-def _port(
-    equations: Equations, name: str, symbol: sympy.Symbol, element: Storage
-) -> sympy.Expr:
+def _port(equations: Equations, name: str, symbol: sympy.Symbol, element: Storage) -> sympy.Expr:
     key = next(key for key, value in element.symbols.items() if value == symbol)
     return equations.ports[f"{name}.{key}"]
 

@@ -1,0 +1,197 @@
+"""Assessment: from a graph to everything that is known about its stability."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from ..graph import BondGraph
+from ..linear import LinearSystem, linearize_at
+from ..smooth import Smooth
+from ..steady import SteadyState, steady_state
+from .edges import Edge
+from .locus import Locus, Vary, as_vary, trace
+from .modal import Mode, modal_table
+from .verdict import critical, is_stable, verdict
+
+SCHEMA = 1
+
+
+@dataclass(frozen=True, eq=False)
+class StabilityResult:
+    """What is known about the stability of a steady state.
+
+    Attributes
+    ----------
+    graph : BondGraph
+    overrides : dict of str to value
+        Parameters as the user gave them.
+    system : LinearSystem
+    modes : tuple of Mode
+        One an eigenvalue, in the order of ``system.poles()``.
+    loci : tuple of Locus
+    verdict : str
+        Plain language, a sentence a line.
+    warnings : tuple of str
+    """
+
+    graph: BondGraph
+    overrides: dict[str, Any]
+    system: LinearSystem
+    modes: tuple[Mode, ...]
+    loci: tuple[Locus, ...]
+    verdict: str
+    warnings: tuple[str, ...]
+
+    @property
+    def point(self) -> SteadyState:
+        """The operating point."""
+        return self.system.at
+
+    @property
+    def stable(self) -> bool:
+        """Whether every mode decays."""
+        return is_stable(self.modes)
+
+    @property
+    def critical(self) -> Mode | None:
+        """The mode that decides; None without states."""
+        return critical(self.modes) if self.modes else None
+
+    @property
+    def edges(self) -> tuple[Edge, ...]:
+        """Edges of stability along all varied parameters."""
+        return tuple(edge for locus in self.loci for edge in locus.edges)
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the result as plain values.
+
+        Returns
+        -------
+        dict
+            Schema 1: model, operating_point, states, eigenvalues, stable, A and
+            edges; besides, modes of the contacts, carriers and feeds of each
+            eigenvalue, verdict and warnings. All SI; what is not a finite
+            number is None.
+        """
+        return {
+            "schema": SCHEMA,
+            "model": self.graph.name,
+            "operating_point": {**self.point.states, **self.point.outputs},
+            "states": list(self.system.states),
+            "eigenvalues": [_eigenvalue(mode) for mode in self.modes],
+            "stable": self.stable,
+            "A": self.system.A.tolist(),
+            "edges": [_edge(edge) for edge in self.edges],
+            "modes": dict(self.point.modes),
+            "carriers": [dict(mode.carriers) for mode in self.modes],
+            "feeds": [dict(mode.feeds) for mode in self.modes],
+            "verdict": self.verdict,
+            "warnings": list(self.warnings),
+        }
+
+
+def assess(
+    graph: BondGraph,
+    parameters: Mapping[Any, Any] | None = None,
+    inputs: Mapping[Any, float] | None = None,
+    modes: Mapping[str, str] | None = None,
+    vary: Iterable[Vary | str | tuple[Any, ...]] = (),
+) -> StabilityResult:
+    """Assess the stability of a graph's steady state.
+
+    Parameters
+    ----------
+    graph : BondGraph
+    parameters : mapping, optional
+        Values by name or symbol, in SI or with units.
+    inputs : mapping, optional
+        Constant inputs, zero unless given.
+    modes : mapping of str to str, optional
+        Modes of the contacts; found unless given.
+    vary : iterable of Vary, str or tuple, optional
+        Ranges to follow the eigenvalues over: ``("V0", 0.25, 1.5, 200)`` or
+        ``"V0=0.25:1.5:200"``.
+
+    Returns
+    -------
+    StabilityResult
+
+    Raises
+    ------
+    SteadyStateError
+        Where the operating point is not found.
+    ParameterError
+        For unknown or inadmissible parameters and ranges.
+
+    Examples
+    --------
+    >>> from bondgraph.models import bicycle_brake
+    >>> result = assess(bicycle_brake.graph(), {"v_s": 0.2}, vary=["V0=0.9:1.2:50"])
+    >>> result.stable, round(result.edges[0].value, 6)
+    (False, 1.012035)
+    """
+    ranges = [as_vary(item) for item in vary]
+    point = steady_state(graph, parameters, inputs, modes)
+    system = linearize_at(Smooth(point.equations, graph, held=point.parameters), point)
+    table = modal_table(system)
+    loci = tuple(trace(graph, point, item, parameters) for item in ranges)
+    return StabilityResult(
+        graph,
+        {getattr(key, "name", key): value for key, value in (parameters or {}).items()},
+        system,
+        table,
+        loci,
+        verdict(system, table, loci),
+        _warnings(point, loci),
+    )
+
+
+def _warnings(point: SteadyState, loci: Iterable[Locus]) -> tuple[str, ...]:
+    said = list(point.equations.warnings)
+    if not point.isolated:
+        said.append(
+            "the operating point is not the only one near by: a state is free to stand anywhere"
+        )
+    if point.modes:
+        said.append(
+            "the verdict holds for small motions in which contacts keep their modes; a stick-slip "
+            "cycle may live beside a stable steady state: simulate from several starts"
+        )
+    for locus in loci:
+        said += [f"{locus.name}: {text}" for text in _gaps(locus)]
+    return tuple(said)
+
+
+def _gaps(locus: Locus) -> list[str]:
+    """Tell of gaps, one sentence for each reason."""
+    reasons: dict[str, list[float]] = {}
+    for gap in locus.gaps:
+        reasons.setdefault(gap.reason, []).append(gap.value)
+    return [
+        f"no steady state at {len(values)} of {len(locus.values)} points, from {min(values):.4g} "
+        f"to {max(values):.4g} (SI): {reason}"
+        for reason, values in reasons.items()
+    ]
+
+
+def _eigenvalue(mode: Mode) -> dict[str, float | None]:
+    ratio = mode.damping_ratio
+    return {
+        "real": mode.eigenvalue.real,
+        "imag": mode.eigenvalue.imag,
+        "frequency_hz": mode.frequency_hz,
+        "damping_ratio": ratio if math.isfinite(ratio) else None,
+    }
+
+
+def _edge(edge: Edge) -> dict[str, Any]:
+    return {
+        "kind": edge.kind,
+        "parameter": edge.parameter,
+        "value": edge.value,
+        "frequency_hz": edge.frequency_hz,
+        "first_lyapunov": edge.first_lyapunov,
+    }

@@ -1,0 +1,398 @@
+"""Loci: the eigenvalues of a steady state followed along one parameter."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Collection, Iterable, Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy
+
+from ..errors import ParameterError, SteadyStateError
+from ..graph import BondGraph
+from ..parameters import resolve, unknown_name
+from ..smooth import Smooth
+from ..steady import SteadyState, solve_rates
+from ..units import to_si
+from ..values import initial_values, parameter_values
+from .edges import Edge, find_edges
+
+# The search looks at least this closely, whatever number of points is asked for.
+MIN_STEPS = 50
+
+_VARY = re.compile(
+    r"(?P<name>[^=\s]+)=(?P<lo>[^:\[\]]+):(?P<hi>[^:\[\]]+)(:(?P<n>\d+))?(\[(?P<unit>.*)\])?"
+)
+
+
+@dataclass(frozen=True)
+class Vary:
+    """A range to follow the eigenvalues over.
+
+    Parameters
+    ----------
+    name : str
+        A parameter or an input.
+    lo, hi : float
+    n : int
+        Number of points.
+    unit : str
+        Unit of the bounds; SI where empty.
+
+    Raises
+    ------
+    ParameterError
+        For bounds that are not finite or equal, and fewer than two points.
+
+    Examples
+    --------
+    >>> Vary.parse("k_f=200:400:50[N/mm]")
+    Vary(name='k_f', lo=200.0, hi=400.0, n=50, unit='N/mm')
+    """
+
+    name: str
+    lo: float
+    hi: float
+    n: int = 200
+    unit: str = ""
+
+    def __post_init__(self) -> None:
+        if not (math.isfinite(self.lo) and math.isfinite(self.hi)) or self.lo == self.hi:
+            raise ParameterError(
+                f"vary {self.name!r}: {self.lo:g} to {self.hi:g} is no range; give two finite ends"
+            )
+        if self.n < 2:
+            raise ParameterError(f"vary {self.name!r}: {self.n} points; give at least two")
+
+    @classmethod
+    def parse(cls, text: str) -> Vary:
+        """Read ``NAME=LO:HI``, ``NAME=LO:HI:N`` or either with ``[unit]`` behind.
+
+        Raises
+        ------
+        ParameterError
+        """
+        found = _VARY.fullmatch(text.strip())
+        try:
+            assert found is not None
+            low, high = float(found["lo"]), float(found["hi"])
+        except (AssertionError, ValueError):
+            raise ParameterError(
+                f"vary {text!r} cannot be read; write NAME=LO:HI:N, such as V0=0.5:1.5:50"
+            ) from None
+        return cls(found["name"], low, high, int(found["n"] or 200), found["unit"] or "")
+
+    def in_si(self, unit: str) -> Vary:
+        """Return the same range with bounds in SI, checked against a parameter's unit."""
+        if not self.unit:
+            return self
+        try:
+            low, high = (to_si(value, self.unit, expected=unit) for value in (self.lo, self.hi))
+        except ParameterError as error:
+            raise ParameterError(f"vary {self.name!r}: {error}") from None
+        return replace(self, lo=low, hi=high, unit="")
+
+
+@dataclass(frozen=True)
+class Gap:
+    """A point of a locus without a steady state.
+
+    Attributes
+    ----------
+    value : float
+        Of the parameter, SI.
+    reason : str
+    """
+
+    value: float
+    reason: str
+
+
+@dataclass(frozen=True, eq=False)
+class Locus:
+    """Eigenvalues along one parameter.
+
+    Attributes
+    ----------
+    name : str
+    unit : str
+        The parameter's own unit, for display.
+    values : (m,) array
+        In SI.
+    eigenvalues : (m, n) complex array
+        Each column follows one eigenvalue; nan at gaps.
+    states : (m, n) array
+        The steady states; nan at gaps.
+    at : float
+        The parameter's value at the operating point, SI.
+    crossings : tuple of Edge
+        Everywhere an eigenvalue crosses the imaginary axis.
+    gaps : tuple of Gap
+    """
+
+    name: str
+    unit: str
+    values: numpy.ndarray
+    eigenvalues: numpy.ndarray
+    states: numpy.ndarray
+    at: float
+    crossings: tuple[Edge, ...]
+    gaps: tuple[Gap, ...]
+
+    @property
+    def edges(self) -> tuple[Edge, ...]:
+        """The crossings that part stable from unstable."""
+        return tuple(edge for edge in self.crossings if edge.boundary)
+
+
+class Branch:
+    """The steady state of a graph in given modes, as one parameter or input changes.
+
+    Parameters
+    ----------
+    graph : BondGraph
+    point : SteadyState
+        Where the branch starts.
+    name : str
+        Parameter or input that changes.
+    overrides : mapping, optional
+        Parameters given by the user, by name or symbol.
+
+    Raises
+    ------
+    ParameterError
+        For a name that is neither parameter nor input.
+    """
+
+    def __init__(
+        self,
+        graph: BondGraph,
+        point: SteadyState,
+        name: str,
+        overrides: Mapping[Any, Any] | None = None,
+    ) -> None:
+        equations = point.equations
+        table = {symbol.name: row for symbol, row in graph.parameters.items()}
+        if name not in table and name not in point.inputs:
+            raise unknown_name("parameter", name, [*table, *point.inputs])
+        self.graph, self.point, self.name = graph, point, name
+        self.overrides = {
+            getattr(key, "name", key): value for key, value in (overrides or {}).items()
+        }
+        self.is_input = name not in table
+        self.unit = _input_unit(graph, name) if self.is_input else table[name].unit
+        self.smooth = Smooth(equations, graph, held={*self.overrides, name})
+        self._u = numpy.array(list(point.inputs.values()))
+        self._p = self.smooth.vector(point.parameters)
+        order: Iterable[str] = point.inputs if self.is_input else self.smooth.names
+        self.index = list(order).index(name)
+
+    @property
+    def at(self) -> float:
+        """The parameter's value at the start, SI."""
+        return float((self._u if self.is_input else self._p)[self.index])
+
+    @property
+    def start(self) -> numpy.ndarray:
+        """The states at the start."""
+        return numpy.array(list(self.point.states.values()))
+
+    def arguments(self, value: float) -> tuple[numpy.ndarray, numpy.ndarray]:
+        """Return inputs and parameter vector with the changed value in place."""
+        u, p = self._u.copy(), self._p.copy()
+        (u if self.is_input else p)[self.index] = value
+        return u, p
+
+    def solve(self, value: float, guess: numpy.ndarray) -> numpy.ndarray:
+        """Return the steady state at a value of the parameter.
+
+        Raises
+        ------
+        SteadyStateError
+            Where there is none near the guess, or a contact leaves its mode.
+        """
+        u, p = self.arguments(value)
+        x, _ = solve_rates(self.smooth, guess, u, p)
+        for name, found in self.smooth.contact_values(x, u, p).items():
+            better = found.better_mode(self.point.modes[name])
+            if better is not None:
+                raise SteadyStateError(
+                    f"{name!r} leaves mode {self.point.modes[name]!r} for {better!r}",
+                    elements=[name],
+                )
+        return x
+
+    def eigenvalues(self, value: float, x: numpy.ndarray) -> numpy.ndarray:
+        """Return the eigenvalues at a steady state of the branch, by falling real part."""
+        poles = numpy.linalg.eigvals(self.smooth.state_matrix(x, *self.arguments(value)))
+        return poles[numpy.lexsort((-poles.imag, -poles.real))].astype(complex)
+
+    def point_at(self, value: float, x: numpy.ndarray) -> SteadyState:
+        """Return the full operating point at a steady state of the branch."""
+        u, p = self.arguments(value)
+        equations = self.point.equations
+        changed = {**self.overrides} if self.is_input else {**self.overrides, self.name: value}
+        return replace(
+            self.point,
+            states=dict(zip(self.point.states, map(float, x), strict=True)),
+            outputs=self.smooth.outputs(x, u, p),
+            inputs=dict(zip(self.point.inputs, map(float, u), strict=True)),
+            parameters=parameter_values(equations, changed),
+        )
+
+    def second_guess(self, value: float) -> numpy.ndarray:
+        """Return the model's own initial states at a value, for a search that lost its way."""
+        point = self.point_at(value, self.start)
+        return numpy.array(initial_values(point.equations, point.parameters))
+
+
+def trace(
+    graph: BondGraph,
+    point: SteadyState,
+    vary: Vary,
+    parameters: Mapping[Any, Any] | None = None,
+) -> Locus:
+    """Follow the eigenvalues of a steady state along one parameter.
+
+    A point without a steady state becomes a named gap; the rest goes on.
+
+    Parameters
+    ----------
+    graph : BondGraph
+    point : SteadyState
+        Where the branch starts; its modes are kept.
+    vary : Vary
+    parameters : mapping, optional
+        The parameters that the point was found with. A derived one given here
+        keeps its number along the locus.
+
+    Returns
+    -------
+    Locus
+
+    Raises
+    ------
+    ParameterError
+        For an unknown name, a wrong unit, or an end that is not admissible.
+
+    Examples
+    --------
+    >>> from bondgraph import steady_state
+    >>> from bondgraph.models import bicycle_brake
+    >>> graph = bicycle_brake.graph()
+    >>> locus = trace(graph, steady_state(graph), Vary("V0", 0.25, 1.5))
+    >>> [(edge.kind, round(edge.value, 6)) for edge in locus.edges]
+    [('hopf', 0.322324)]
+    """
+    branch = Branch(graph, point, vary.name, parameters)
+    vary = vary.in_si(branch.unit)
+    _check_ends(branch, vary)
+    finer = math.ceil(MIN_STEPS / (vary.n - 1))
+    values = numpy.linspace(vary.lo, vary.hi, (vary.n - 1) * finer + 1)
+    states, reasons = _walk(branch, values)
+    eigenvalues = numpy.full(states.shape, numpy.nan, dtype=complex)
+    for index, x in enumerate(states):
+        if index not in reasons:
+            eigenvalues[index] = branch.eigenvalues(values[index], x)
+    crossings = find_edges(branch, values, states, eigenvalues, reasons)
+    return Locus(
+        vary.name,
+        branch.unit,
+        values[::finer],
+        track(eigenvalues)[::finer],
+        states[::finer],
+        branch.at,
+        crossings,
+        tuple(Gap(float(values[i]), reasons[i]) for i in sorted(reasons) if i % finer == 0),
+    )
+
+
+def track(eigenvalues: numpy.ndarray) -> numpy.ndarray:
+    """Sort the eigenvalues of neighbouring points so that each column is continuous.
+
+    Parameters
+    ----------
+    eigenvalues : (m, n) complex array
+        In any order along the second axis; rows of nan are gaps.
+
+    Returns
+    -------
+    (m, n) complex array
+
+    Examples
+    --------
+    >>> track(numpy.array([[1, 5], [4, 2], [3, 3.1]])).real.tolist()
+    [[1.0, 5.0], [2.0, 4.0], [3.0, 3.1]]
+    """
+    from scipy.optimize import linear_sum_assignment
+
+    sorted_rows = numpy.array(eigenvalues, dtype=complex)
+    last: list[numpy.ndarray] = []
+    for index, row in enumerate(sorted_rows):
+        if numpy.isnan(row).any():
+            continue
+        if last:
+            expected = 2 * last[-1] - last[-2] if len(last) > 1 else last[-1]
+            cost = numpy.abs(expected[:, None] - row[None, :])
+            sorted_rows[index] = row[linear_sum_assignment(cost)[1]]
+        last = [*last[-1:], sorted_rows[index]]
+    return sorted_rows
+
+
+def _walk(branch: Branch, values: numpy.ndarray) -> tuple[numpy.ndarray, dict[int, str]]:
+    """Solve from the operating point outwards; return the states and the reasons of gaps."""
+    states = numpy.full((len(values), len(branch.start)), numpy.nan)
+    reasons: dict[int, str] = {}
+    first = int(numpy.argmin(numpy.abs(values - branch.at)))
+    for indices in (range(first, len(values)), range(first - 1, -1, -1)):
+        guess = branch.start if numpy.isnan(states[first]).any() else states[first]
+        for index in indices:
+            try:
+                states[index] = guess = _solved(branch, values[index], guess)
+            except SteadyStateError as error:
+                reasons[index] = str(error)
+    return states, reasons
+
+
+def _solved(branch: Branch, value: float, guess: numpy.ndarray) -> numpy.ndarray:
+    try:
+        return branch.solve(value, guess)
+    except SteadyStateError as error:
+        if error.elements:  # a contact leaves its mode: another start would not help
+            raise
+        try:
+            return branch.solve(value, branch.second_guess(value))
+        except SteadyStateError:
+            raise error from None
+
+
+def _check_ends(branch: Branch, vary: Vary) -> None:
+    """Refuse a range whose ends the parameter's own rules refuse."""
+    if branch.is_input:
+        return
+    for value in (vary.lo, vary.hi):
+        changed: dict[Any, Any] = {**branch.overrides, vary.name: value}
+        resolve(branch.graph.parameters, changed, partial=True)
+
+
+def _input_unit(graph: BondGraph, name: str) -> str:
+    return next((unit for symbol, unit in graph.inputs.items() if symbol.name == name), "")
+
+
+def as_vary(item: Any) -> Vary:
+    """Read a range from a `Vary`, a text or ``(name, lo, hi[, n[, unit]])``.
+
+    Examples
+    --------
+    >>> as_vary(("V0", 0.25, 1.5)).n
+    200
+    """
+    if isinstance(item, Vary):
+        return item
+    if isinstance(item, str):
+        return Vary.parse(item)
+    if isinstance(item, Collection) and 3 <= len(item) <= 5:
+        return Vary(*item)
+    raise ParameterError(f"vary {item!r} cannot be read; give (name, lo, hi, n)")

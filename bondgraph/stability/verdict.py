@@ -1,0 +1,197 @@
+"""The verdict: what the numbers mean, in two or three sentences."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+
+from ..linear import LinearSystem
+from ..units import from_si
+from .edges import Edge
+from .locus import Locus
+from .modal import Mode
+
+# Contributions below this share of the largest are left out of the sentence.
+WORTH_SAYING = 0.02
+
+
+def verdict(system: LinearSystem, modes: Sequence[Mode], loci: Iterable[Locus] = ()) -> str:
+    """Say whether a steady state is stable, what decides it and how far the edge is.
+
+    Parameters
+    ----------
+    system : LinearSystem
+    modes : sequence of Mode
+        From `bondgraph.stability.modal_table`.
+    loci : iterable of Locus
+
+    Returns
+    -------
+    str
+        A few plain sentences.
+
+    Examples
+    --------
+    >>> from bondgraph import C, I, One, R, Se, assemble, linearize
+    >>> from bondgraph.stability import modal_table
+    >>> v = One("v")
+    >>> graph = assemble("cart", Se("F", 1) >> v >> (I("m", 2), R("b", 4)))
+    >>> system = linearize(graph)
+    >>> print(verdict(system, modal_table(system)))
+    cart is stable at this operating point: its slowest mode, carried by m, dies away by a factor e in 500 ms.
+    b takes 2 1/s out of it.
+    """
+    if not modes:
+        return f"{system.at.equations.name} has no states: there is nothing to be unstable."
+    mode = critical(modes)
+    sentences = [_state(system, modes, mode), *_balance(mode), *(_margin(item) for item in loci)]
+    return "\n".join(sentences)
+
+
+def critical(modes: Sequence[Mode]) -> Mode:
+    """Return the mode that decides.
+
+    The fastest growing one; where none grows, one that does neither; else the
+    oscillation with the least damping ratio; else the slowest decay.
+
+    Examples
+    --------
+    >>> critical([Mode(complex(-1, 0), -1), Mode(complex(-2, 50), -1)]).eigenvalue
+    (-2+50j)
+    """
+    worst = max(mode.growth for mode in modes)
+    if worst >= 0:
+        candidates = [mode for mode in modes if mode.growth == worst]
+        return max(candidates, key=lambda mode: (mode.eigenvalue.real, mode.eigenvalue.imag))
+    waves = [mode for mode in modes if mode.eigenvalue.imag > 0]
+    if waves:
+        return min(waves, key=lambda mode: mode.damping_ratio)
+    return max(modes, key=lambda mode: mode.eigenvalue.real)
+
+
+def is_stable(modes: Iterable[Mode]) -> bool:
+    """Whether every mode decays."""
+    return all(mode.stable for mode in modes)
+
+
+def listed(names: Sequence[str]) -> str:
+    """Join names as a sentence does.
+
+    Examples
+    --------
+    >>> listed(["a", "b", "c"])
+    'a, b and c'
+    """
+    return " and ".join(filter(None, [", ".join(names[:-1]), *names[-1:]]))
+
+
+def duration(seconds: float) -> str:
+    """Write a time with a unit that suits it.
+
+    Examples
+    --------
+    >>> duration(0.0206)
+    '20.6 ms'
+    """
+    for limit, factor, unit in ((1e-3, 1e6, "µs"), (1.0, 1e3, "ms"), (math.inf, 1.0, "s")):
+        if seconds < limit:
+            return f"{seconds * factor:.3g} {unit}"
+    return "for ever"
+
+
+def _state(system: LinearSystem, modes: Sequence[Mode], mode: Mode) -> str:
+    name, held = system.at.equations.name, _modes_in_words(system.at.modes)
+    carriers = listed(mode.dominant)
+    carried = f", carried by {carriers}," if carriers else ""
+    kind = f"{mode.frequency_hz:.4g} Hz mode" if mode.eigenvalue.imag else "real mode"
+    if mode.growth > 0:
+        count = sum(item.growth > 0 and item.eigenvalue.imag >= 0 for item in modes)
+        others = f"; {count - 1} more of its modes grow" if count > 1 else ""
+        return (
+            f"{name} is unstable at this operating point{held}: its {kind}{carried} grows by a "
+            f"factor e every {duration(mode.time_constant)}{others}."
+        )
+    if mode.growth == 0:
+        return (
+            f"{name} is neither stable nor unstable at this operating point{held}: its {kind}"
+            f"{carried} neither grows nor decays."
+        )
+    if mode.eigenvalue.imag:
+        return (
+            f"{name} is stable at this operating point{held}: its least damped mode, "
+            f"{mode.frequency_hz:.4g} Hz{carried} dies away by a factor e in "
+            f"{duration(mode.time_constant)} (damping ratio {mode.damping_ratio:.3g})."
+        )
+    return (
+        f"{name} is stable at this operating point{held}: its slowest mode{carried} dies away by "
+        f"a factor e in {duration(mode.time_constant)}."
+    )
+
+
+def _modes_in_words(modes: Mapping[str, str]) -> str:
+    words = {"stick": "stuck", "slip+": "slipping", "slip-": "slipping backwards"}
+    said = [f"{name} {words.get(mode, mode)}" for name, mode in modes.items()]
+    return f" ({listed(said)})" if said else ""
+
+
+def _balance(mode: Mode) -> list[str]:
+    """Say which elements feed the mode and which drain it."""
+    largest = max(map(abs, mode.feeds.values()), default=0.0)
+    told = {name: rate for name, rate in mode.feeds.items() if abs(rate) > WORTH_SAYING * largest}
+    feeding = [f"{name} feeds it with {rate:.3g} 1/s" for name, rate in told.items() if rate > 0]
+    draining = [f"{name} takes {-rate:.3g} 1/s" for name, rate in told.items() if rate < 0]
+    draining.reverse()
+    parts = []
+    if feeding:
+        parts.append(listed(feeding))
+    if draining:
+        parts.append(f"{listed(draining)} out of it")
+    if not parts:
+        return []
+    text = ", ".join(parts)
+    return [f"{text}."]
+
+
+def _margin(locus: Locus) -> str:
+    """Say how far the nearest edge along one parameter is."""
+    unit = f" {locus.unit}" if locus.unit else ""
+    low, high = (from_si(value, locus.unit) for value in (locus.values[0], locus.values[-1]))
+    here = from_si(locus.at, locus.unit)
+    if not locus.edges:
+        return f"Along {locus.name} there is no edge from {low:.4g} to {high:.4g}{unit}{_holes(locus)}."
+    edge = nearest(locus)
+    value = from_si(edge.value, locus.unit)
+    return (
+        f"Along {locus.name} the nearest edge is at {value:.6g}{unit}, {_distance(value, here)} "
+        f"({_kind(edge)}{_side(edge)}){_holes(locus)}."
+    )
+
+
+def nearest(locus: Locus) -> Edge:
+    """Return the edge nearest to the operating point."""
+    return min(locus.edges, key=lambda edge: abs(edge.value - locus.at))
+
+
+def _distance(value: float, here: float) -> str:
+    side = "above" if value > here else "below"
+    if not here:
+        return f"{abs(value - here):.3g} {side} the operating point"
+    return f"{abs(value - here) / abs(here):.1%} {side} the operating point's {here:.4g}"
+
+
+def _kind(edge: Edge) -> str:
+    return f"Hopf, {edge.frequency_hz:.5g} Hz" if edge.kind == "hopf" else "fold, a real mode"
+
+
+def _side(edge: Edge) -> str:
+    if edge.unstable_above is None:
+        return "; no steady state beyond"
+    return "; unstable above" if edge.unstable_above else "; unstable below"
+
+
+def _holes(locus: Locus) -> str:
+    if not locus.gaps:
+        return ""
+    return (
+        f"; {len(locus.gaps)} of its {len(locus.values)} points have no steady state in this mode"
+    )
