@@ -8,7 +8,7 @@ arithmetic; a nonlinear one keeps its tearing variables as algebraic variables.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import networkx
@@ -41,7 +41,21 @@ class AlgebraicLoop:
     def __str__(self) -> str:
         path = " -> ".join((*self.variables[:8], "..." if len(self.variables) > 8 else self.variables[0]))
         done = "solved symbolically for" if self.solved == "linear" else "kept as algebraic variables:"
-        return f"algebraic loop {path}; {done} {', '.join(self.tearing)}"
+        return f"{self.kind} {path}; {done} {', '.join(self.tearing)}"
+
+    @property
+    def kind(self) -> str:
+        """What closes the loop: dependent rates, or an algebraic relation alone."""
+        rates = any(name.startswith("der(") for name in self.variables)
+        return "loop of dependent rates" if rates else "algebraic loop"
+
+
+class SingularLoopError(AlgebraicLoopError):
+    """A linear loop that leaves variables open; ``bound`` holds the symbols it relates instead."""
+
+    def __init__(self, message: str, elements: tuple[str, ...], bound: frozenset[sympy.Basic]) -> None:
+        super().__init__(message, elements=elements)
+        self.bound = bound
 
 
 @dataclass(frozen=True)
@@ -192,11 +206,7 @@ class _Solver:
         while left:
             choice = _pivot(pending, left)
             if choice is None:
-                raise AlgebraicLoopError(
-                    f"the algebraic loop through {', '.join(tear.name for tear in left)} has no unique solution; "
-                    f"add a compliance or inertia in it, or remove a redundant element",
-                    elements=[tear.name for tear in left],
-                )
+                raise self._singular(left, [row.constant for row in pending])
             row, tear, coefficient = choice
             pending.remove(row)
             left.remove(tear)
@@ -212,6 +222,19 @@ class _Solver:
         for tear, formula in reversed(solved):
             code.append((tear, _tidy(formula.expression())))
         return code
+
+    def _singular(self, left: list[sympy.Symbol], constants: list[sympy.Expr]) -> AlgebraicLoopError:
+        """Tell a loop that leaves its variables open from one that binds what is given."""
+        names = tuple(tear.name for tear in left)
+        known = expansion(self.assignments, set().union(*(value.free_symbols for value in constants)))
+        relations = [_tidy(value.xreplace(known)) for value in constants]
+        bound = frozenset().union(*(relation.free_symbols for relation in relations))
+        return SingularLoopError(
+            f"the algebraic loop through {', '.join(names)} has no unique solution; "
+            f"add a compliance or inertia in it, or remove a redundant element",
+            names,
+            bound,
+        )
 
 
 @dataclass(frozen=True)
@@ -268,6 +291,28 @@ def _pivot(
             if best is None or cost < best[0]:
                 best = (cost, row, variable, coefficient)
     return None if best is None else best[1:]
+
+
+def expansion(
+    assignments: Sequence[tuple[sympy.Symbol, sympy.Expr]], wanted: Iterable[sympy.Basic]
+) -> dict[sympy.Symbol, sympy.Expr]:
+    """Expand assignments until only what is given is left, for wanted symbols and all they need.
+
+    Examples
+    --------
+    >>> x, y, z = sympy.symbols("x y z")
+    >>> expansion([(y, 2 * x), (z, y + 1)], [z])[z]
+    2*x + 1
+    """
+    needed = set(wanted)
+    for symbol, expression in reversed(assignments):
+        if symbol in needed:
+            needed |= expression.free_symbols
+    known: dict[sympy.Symbol, sympy.Expr] = {}
+    for symbol, expression in assignments:
+        if symbol in needed:
+            known[symbol] = expression.xreplace(known)
+    return known
 
 
 def _links(

@@ -13,7 +13,7 @@ Karnopp, Margolis, Rosenberg, System Dynamics, 5th ed., Wiley 2012, ch. 3 and 5.
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from enum import Enum
 
@@ -123,12 +123,15 @@ class CausalGraph:
         )
 
 
-def assign_causality(graph: BondGraph) -> CausalGraph:
+def assign_causality(graph: BondGraph, dependent: Collection[str] = ()) -> CausalGraph:
     """Assign a causal stroke to every bond.
 
     Parameters
     ----------
     graph : BondGraph
+    dependent : collection of str
+        Storages that have to be in derivative causality, because a relation that strokes do
+        not show binds their states.
 
     Returns
     -------
@@ -151,7 +154,7 @@ def assign_causality(graph: BondGraph) -> CausalGraph:
     ['E', 'loop', 'c']
     """
     check_structure(graph.name, graph.elements, graph.bonds)
-    scap = _Scap(graph)
+    scap = _Scap(graph, dependent)
     scap.run()
     return CausalGraph(
         graph,
@@ -217,8 +220,9 @@ class _Scap:
     directed backjumping), so that a conflict is reported only where no assignment exists.
     """
 
-    def __init__(self, graph: BondGraph) -> None:
+    def __init__(self, graph: BondGraph, dependent: Collection[str]) -> None:
         self.graph = graph
+        self.dependent = dependent
         self.bonds: tuple[GraphBond, ...] = graph.bonds
         self.at: dict[str, list[int]] = {name: [] for name in graph.elements}
         for index, bond in enumerate(graph.bonds):
@@ -231,12 +235,18 @@ class _Scap:
     def run(self) -> None:
         """Assign all bonds: sources, storage, friction, one-way laws, then free choices."""
         for name, _ in self.graph.of((Se, Sf)):
-            source = self._wish(name, Reason.SOURCE)
-            try:
-                self._set(source.index, source.end, source.cause)
-            except _Conflict as conflict:
-                raise self._error(conflict) from None
+            self._require(self._wish(name, Reason.SOURCE))
+        for name in self.dependent:
+            wish = self._wish(name, Reason.INTEGRAL)
+            cause = _Cause(Reason.DERIVATIVE, f"a loop of junctions binds the state of {name!r}", name)
+            self._require(replace(wish, end=self._other(wish.index, wish.end), cause=cause))
         self._assign(list(self._choices()))
+
+    def _require(self, choice: _Choice) -> None:
+        try:
+            self._set(choice.index, choice.end, choice.cause)
+        except _Conflict as conflict:
+            raise self._error(conflict) from None
 
     def _choices(self) -> Iterator[_Choice]:
         """All choices, in the order in which they are taken."""
@@ -289,7 +299,7 @@ class _Scap:
         position = 0
         while position < len(choices):
             choice = choices[position]
-            if choice.index not in self.effort:
+            if choice.firm or choice.index not in self.effort:
                 cause = replace(choice.cause, blamed=frozenset((len(decisions),)))
                 decisions.append(_Decision(choice, position, len(self.trail)))
                 conflict = self._attempt(choice.index, choice.end, cause)

@@ -447,6 +447,8 @@ class Friction(OnePort):
         highest = self.kinetic.xreplace({self.speed: sympy.S.Zero})
         self._set(breakaway=highest if breakaway is None else self._apply("breakaway", breakaway, self.speed))
         self._set(smoothing=None if smoothing is None else self._apply("smoothing", smoothing, self.speed))
+        if self.smoothing is not None and self.smoothing.is_positive is False:
+            raise LawError(f"Friction {name!r}: smoothing is a slip width and must be positive", elements=[name])
         if self.speed in self.breakaway.free_symbols:
             raise LawError(f"Friction {name!r}: breakaway acts at zero slip and cannot depend on speed; give a force")
 

@@ -15,10 +15,10 @@ from dataclasses import dataclass, field
 
 import sympy
 
-from .blocks import AlgebraicLoop, order_and_solve
+from .blocks import AlgebraicLoop, SingularLoopError, expansion, order_and_solve
 from .causality import CausalGraph, assign_causality
 from .elements import GY, TF, C, Friction, I, One, R, Se, Sf, Storage, TwoPort, Zero
-from .errors import BondGraphError, LawError
+from .errors import BondGraphError, CausalConflictError, LawError
 from .graph import TIME, BondGraph
 from .rates import Rates
 
@@ -139,7 +139,11 @@ class Equations:
     @property
     def warnings(self) -> tuple[str, ...]:
         """Everything a careful reader should know: parts, dependence, loops."""
-        return (*self.graph.warnings, *self.causal.warnings, *map(str, self.loops))
+        rates = (
+            f"the rate of input {symbol.name!r} is needed, as {rate.name}: a dependent storage follows it"
+            for symbol, rate in self.input_rates.items()
+        )
+        return (*self.graph.warnings, *self.causal.warnings, *map(str, self.loops), *rates)
 
     @property
     def arguments(self) -> frozenset[sympy.Symbol]:
@@ -161,7 +165,7 @@ class Equations:
         Expr
             Not simplified. Meant for small models: size may grow fast.
         """
-        return expression.xreplace(self._expanded(expression.free_symbols))
+        return expression.xreplace(expansion(self.assignments, expression.free_symbols))
 
     def explicit(self) -> dict[sympy.Symbol, sympy.Expr]:
         """Return the expanded, simplified rate of each state.
@@ -176,17 +180,6 @@ class Equations:
             state: sympy.simplify(self.substituted(rate))
             for state, rate in zip(self.states, self.derivatives, strict=True)
         }
-
-    def _expanded(self, wanted: Iterable[sympy.Basic]) -> dict[sympy.Symbol, sympy.Expr]:
-        needed = set(wanted)
-        for symbol, expression in reversed(self.assignments):
-            if symbol in needed:
-                needed |= expression.free_symbols
-        known: dict[sympy.Symbol, sympy.Expr] = {}
-        for symbol, expression in self.assignments:
-            if symbol in needed:
-                known[symbol] = expression.xreplace(known)
-        return known
 
 
 def derive(graph: BondGraph | CausalGraph, stuck: Collection[str] = ()) -> Equations:
@@ -221,7 +214,31 @@ def derive(graph: BondGraph | CausalGraph, stuck: Collection[str] = ()) -> Equat
     unknown = [name for name in stuck if not isinstance(causal.graph.elements.get(name), Friction)]
     if unknown:
         raise BondGraphError(f"{', '.join(unknown)}: no Friction of graph {causal.graph.name!r}", elements=unknown)
-    return _Derivation(causal, frozenset(stuck)).equations()
+    if stuck:
+        return _Derivation(causal, frozenset(stuck)).equations()
+    return _with_hidden_constraints(causal)
+
+
+def _with_hidden_constraints(causal: CausalGraph) -> Equations:
+    """Derive; where a loop of junctions turns out to bind states, make one of them dependent.
+
+    Strokes do not know signs and ratios: terms that cancel round a loop can relate storages
+    that causality takes for independent.
+    """
+    names = {f"{name}.{letter}": name for letter, kind in (("q", C), ("p", I)) for name, _ in causal.graph.of(kind)}
+    dependent: list[str] = []
+    while True:
+        try:
+            return _Derivation(causal, frozenset()).equations()
+        except SingularLoopError as singular:
+            bound = [names[symbol.name] for symbol in singular.bound if symbol.name in names]
+            if not bound:
+                raise
+            dependent.append(max(bound, key=list(causal.graph.elements).index))
+            try:
+                causal = assign_causality(causal.graph, dependent)
+            except CausalConflictError:
+                raise singular from None
 
 
 class _Nets:
@@ -303,6 +320,7 @@ class _Derivation:
         rates = Rates(self.explicit, self.implicit, self.states, self.graph.inputs)
         self._dependent_storages(rates)
         self._stuck_contacts(rates)
+        rates.finish()
         self._modulated_storages(rates)
         outputs = {name: self._local(output.expression) for name, output in self.graph.outputs.items()}
         ordered = order_and_solve(self.explicit, self.implicit)
@@ -499,13 +517,13 @@ class _Derivation:
             element = self.graph.elements[name]
             assert isinstance(element, Storage)
             conjugate = self.names[element.f if isinstance(element, C) else element.e]
-            self.explicit[conjugate] = rates.of(self.storage[name])
+            self.explicit[conjugate] = rates.later(self.storage[name])
 
     def _stuck_contacts(self, rates: Rates) -> None:
         """Hold stuck contacts: their effort is the one at which the slip's rate is zero."""
         for contact in self.contacts:
             if contact.stuck:
-                self.implicit[contact.effort] = rates.of(contact.slip)
+                self.implicit[contact.effort] = rates.later(contact.slip)
 
     def _modulated_storages(self, rates: Rates) -> None:
         """Count the work that a modulation does on a storage, at constant state, as supplied."""

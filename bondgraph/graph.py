@@ -312,10 +312,10 @@ class _Builder:
         elif isinstance(part, Port):
             self._submodel(part.graph)
         elif isinstance(part, Chain):
-            for end in (*part.tails, *part.heads):
-                self._end(end)
             for bond in part.bonds:
                 self.add(bond)
+            for end in (*part.tails, *part.heads):
+                self._end(end)
         elif isinstance(part, Bond):
             self._end(part.tail)
             self._end(part.head)
@@ -370,7 +370,7 @@ class _Builder:
         taken = {bond.name for bond in bonds}
         for bond in self._bonds:
             tail, head = _element(bond.tail), _element(bond.head)
-            if isinstance(tail, OnePort) and tail.passive and not isinstance(head, OnePort):
+            if isinstance(tail, OnePort) and tail.passive:
                 notes.append(f"bond {self.names[tail]}>{self.names[head]} turned round: {tail!r} takes power")
                 tail, head = head, tail
             name = stem = f"{self.names[tail]}>{self.names[head]}"
@@ -545,18 +545,22 @@ class _Symbols:
         self.inputs = {self._known(symbol): unit for submodel in submodels for symbol, unit in submodel.inputs.items()}
         self.inputs |= {self._known(symbol): unit for symbol, unit in given_inputs.items()}
         self.parameters = self._parameters(submodels, parameters)
-        for symbol in used:
-            if symbol is not TIME and symbol not in self.inputs:
-                self.parameters.setdefault(symbol, Parameter())
+        self._use(used)
         clash = [symbol.name for symbol in self.inputs if symbol in self.parameters]
         if clash:
             raise ParameterError(f"graph {graph!r}: {', '.join(clash)} cannot be both input and parameter")
+
+    def _use(self, symbols: Iterable[sympy.Symbol]) -> None:
+        """Make parameters without a value of symbols that nothing else is said about."""
+        for symbol in symbols:
+            if symbol is not TIME and symbol not in self.inputs:
+                self.parameters.setdefault(symbol, Parameter())
 
     def touches(self, element: Element) -> bool:
         return any(law.free_symbols & self.merged.keys() for law in element.laws.values())
 
     def canonical(self, expression: sympy.Expr, user: str) -> sympy.Expr:
-        self._foreign(expression, user)
+        self._use(self._foreign(expression, user))
         return expression.xreplace(self.merged)
 
     def _known(self, symbol: sympy.Symbol) -> sympy.Symbol:
@@ -584,10 +588,12 @@ class _Symbols:
 
     def _parameters(self, submodels: list[BondGraph], given: Mapping[Any, Any]) -> dict[sympy.Symbol, Parameter]:
         table: dict[sympy.Symbol, Parameter] = {}
-        own = {
-            self._by_name.get(key, sympy.Symbol(key, real=True)) if isinstance(key, str) else self._known(key): value
-            for key, value in given.items()
-        }
+        own: dict[sympy.Symbol, Any] = {}
+        for key, value in given.items():
+            symbol = self._known(self._by_name.get(key) or sympy.Symbol(key, real=True) if isinstance(key, str) else key)
+            if symbol in own:
+                raise ParameterError(f"graph {self.graph!r} gives parameter {symbol.name!r} twice; keep one of them")
+            own[symbol] = value
         for symbol, value in own.items():
             table[symbol] = self._row(as_parameter(symbol.name, value))
         for submodel in submodels:
@@ -610,7 +616,11 @@ class _Symbols:
     def _row(self, row: Parameter) -> Parameter:
         if not row.derived:
             return row
-        self._foreign(row.value, "a parameter")
+        if TIME in self._foreign(row.value, "a parameter") or row.value.free_symbols & self.own:
+            raise ParameterError(
+                f"graph {self.graph!r}: a parameter is constant, but {row.value} depends on time or on the graph's "
+                f"variables; write it into the law that uses it"
+            )
         return Parameter(row.value.xreplace(self.merged), row.unit, row.meaning, row.source)
 
 

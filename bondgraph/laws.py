@@ -31,7 +31,7 @@ def exact(value: Any) -> sympy.Expr:
     Raises
     ------
     LawError
-        For text, NaN, infinities and things that are no scalar expression.
+        For text, NaN, infinities, complex numbers and things that are no scalar expression.
 
     Examples
     --------
@@ -40,9 +40,9 @@ def exact(value: Any) -> sympy.Expr:
     """
     if isinstance(value, bool) or isinstance(value, str):
         raise LawError(f"expected a number or a sympy expression, got {value!r}; make a symbol with sympy.Symbol")
-    if hasattr(value, "item") and not isinstance(value, sympy.Basic):
-        value = value.item()
     try:
+        if hasattr(value, "item") and not isinstance(value, sympy.Basic):
+            value = value.item()
         expression = sympy.sympify(value, strict=True)
     except (sympy.SympifyError, TypeError, ValueError):
         raise LawError(f"expected a number or a sympy expression, got {value!r}") from None
@@ -50,6 +50,8 @@ def exact(value: Any) -> sympy.Expr:
         raise LawError(f"expected a scalar expression, got {value!r}")
     if expression.has(sympy.nan, sympy.zoo, sympy.oo, sympy.S.NegativeInfinity):
         raise LawError(f"{value!r} is not a finite number; give a finite value")
+    if expression.has(sympy.I):
+        raise LawError(f"{value!r} is not real; efforts, flows and parameters are real")
     floats = expression.atoms(sympy.Float)
     return expression.xreplace({number: sympy.Rational(repr(float(number))) for number in floats})
 

@@ -95,6 +95,16 @@ class LinearSystem:
         total = shares.sum(axis=0)
         return shares / numpy.where(total > 0, total, 1.0)
 
+    def shapes(self) -> numpy.ndarray:
+        """Return the right eigenvectors.
+
+        Returns
+        -------
+        (n, n) complex array
+            Row: state, column: pole as ordered by `poles`.
+        """
+        return self._modes()[1]
+
     def to_control(self) -> Any:
         """Return the same system as a ``control.StateSpace``.
 

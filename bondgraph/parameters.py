@@ -246,11 +246,11 @@ def _in_order(table: Mapping[sympy.Symbol, Parameter]) -> list[sympy.Symbol]:
 
 
 def _override(name: str, value: Any, row: Parameter) -> float:
-    if isinstance(value, bool) or value is None:
-        raise ParameterError(f"parameter {name!r}: expected a number, got {value!r}")
-    if isinstance(value, int | float):
+    if isinstance(value, int | float) and not isinstance(value, bool):
         return float(value)
     parameter = as_parameter(name, value)
+    if parameter.value is None:
+        raise ParameterError(f"parameter {name!r}: expected a number, got {value!r}")
     if parameter.derived:
         raise ParameterError(f"parameter {name!r}: an override is a number, not the expression {parameter.value}")
     if not parameter.unit:

@@ -56,8 +56,16 @@ class Rates:
             When the equations ask for derivatives of ever higher order.
         """
         rate = self._chain(expression)
-        self._drain()
+        self.finish()
         return rate
+
+    def later(self, symbol: sympy.Symbol) -> sympy.Expr:
+        """Return the rate of a variable at once; what it is follows with `finish`.
+
+        Where rates are needed of variables that are themselves given by rates, all must be
+        asked for before any is worked out.
+        """
+        return self._rate(symbol)
 
     def _chain(self, expression: sympy.Expr) -> sympy.Expr:
         terms = []
@@ -101,7 +109,7 @@ class Rates:
         self._pending.append(symbol)
         return rate
 
-    def _drain(self) -> None:
+    def finish(self) -> None:
         """Write the assignments of the rates asked for, until none is left."""
         while self._pending:
             symbol = self._pending.pop()

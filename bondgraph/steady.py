@@ -18,6 +18,9 @@ from .values import initial_values, parameter_values
 
 MAX_ITERATIONS = 100
 MAX_MODE_CHANGES = 20
+# The search that Newton falls back on: steps in time, each longer than the one before.
+RELAXATIONS = 300
+GROWTH = 1.2
 
 Rates = Callable[[numpy.ndarray], numpy.ndarray]
 
@@ -203,7 +206,11 @@ def _solve(
         key: value for key, value in (guess or {}).items() if getattr(key, "name", key) in known
     }
     u, p = list(given.values()), smooth.vector(values)
-    x, isolated = solve_rates(smooth, initial_values(equations, values, hints), u, p)
+    start = initial_values(equations, values, hints)
+    try:
+        x, isolated = solve_rates(smooth, start, u, p)
+    except SteadyStateError:
+        x, isolated = solve_rates(smooth, _relaxed(smooth, start, u, p), u, p)
     point = SteadyState(
         _named(equations, x),
         smooth.outputs(x, u, p),
@@ -243,28 +250,47 @@ def solve_rates(smooth: Smooth, start: Any, u: Any, p: Any) -> tuple[numpy.ndarr
     """
     x = numpy.array(start, dtype=float)
     residual = smooth.rates(x, u, p)
-    isolated, settled = True, False
     for _ in range(MAX_ITERATIONS):
         newton = _Newton(smooth.state_matrix(x, u, p), residual)
         if not numpy.isfinite(newton.step).all():
             break
-        isolated = newton.isolated
+        if newton.small(x) and newton.balanced(x, residual):
+            # taken all the same: near the root a step doubles the digits
+            return x + newton.step, newton.isolated
         size, trial = _damped(lambda y: smooth.rates(y, u, p), x, newton)
         if size == 0.0:
-            settled = newton.balanced(x, residual)
+            if newton.balanced(x, residual):
+                return x, newton.isolated
             break
         x, residual = x + size * newton.step, trial
-        # one more step after the first small one: Newton doubles the digits each time
-        if settled:
-            break
-        settled = size == 1.0 and newton.small(x) and newton.balanced(x, residual)
-    if settled:
-        return x, isolated
     left = numpy.abs(residual).max(initial=0.0)
     raise SteadyStateError(
         f"model {smooth.equations.name!r}: no steady state found near the start (largest rate "
         f"left: {left:.3g}); a free motion may have none, otherwise give another guess"
     )
+
+
+def _relaxed(smooth: Smooth, start: Any, u: Any, p: Any) -> numpy.ndarray:
+    """Let the states run towards a steady state, by implicit Euler steps of growing length."""
+    x = numpy.array(start, dtype=float)
+    rates, matrix = smooth.rates(x, u, p), smooth.state_matrix(x, u, p)
+    fastest = numpy.abs(numpy.linalg.eigvals(matrix)).max(initial=0.0)
+    step = 0.1 / fastest if 0 < fastest < numpy.inf else 1.0
+    for _ in range(RELAXATIONS):
+        change = numpy.linalg.lstsq(numpy.eye(len(x)) - step * matrix, step * rates, rcond=None)[0]
+        trial = smooth.rates(x + change, u, p)
+        if not numpy.isfinite(trial).all():
+            step /= 10
+            continue
+        newton = _Newton(matrix, rates)
+        if newton.balanced(x, rates):
+            break
+        x, rates = x + change, trial
+        matrix = smooth.state_matrix(x, u, p)
+        if not numpy.isfinite(matrix).all():
+            break
+        step *= GROWTH
+    return x
 
 
 class _Newton:

@@ -14,8 +14,6 @@ from .errors import ParameterError
 if TYPE_CHECKING:
     import pint
 
-_CYCLIC = ("hertz", "cycle", "turn", "revolution")
-
 
 @functools.cache
 def _registry() -> pint.UnitRegistry:
@@ -81,8 +79,7 @@ def from_si(value: float, unit: str) -> float:
     if not unit:
         return float(value)
     target = _parse(unit)
-    base = _registry().Quantity(1.0, target).to_base_units().units
-    converted = float(_registry().Quantity(float(value), base).to(target).magnitude)
+    converted = float(_registry().Quantity(float(value), _base(target)).to(target).magnitude)
     tidy = float(f"{converted:.15g}")
     return tidy if math.isclose(tidy, converted, rel_tol=1e-14) else converted
 
@@ -103,11 +100,16 @@ def check_compatible(unit: str, expected: str) -> None:
     given, wanted = _parse(unit), _parse(expected)
     if given.dimensionality != wanted.dimensionality:
         raise ParameterError(f"unit '{unit or '1'}' does not measure what '{expected or '1'}' does")
-    names = [str(given), str(wanted)]
-    angular = ["radian" in name or "degree" in name for name in names]
-    cyclic = ["hertz" in name for name in names]
+    units = (given, wanted)
+    angular = ["radian" in str(_base(unit)) for unit in units]
+    cyclic = ["hertz" in str(unit) for unit in units]
     if (angular[0] and cyclic[1]) or (angular[1] and cyclic[0]):
         raise ParameterError(f"'{unit}' and '{expected}' differ by 2 pi; convert by hand so that it is clear")
+
+
+def _base(unit: Any) -> Any:
+    """Coherent SI units of a unit; a turn, a cycle and a degree come out in radian."""
+    return _registry().Quantity(1.0, unit).to_base_units().units
 
 
 def quantity_parts(value: Any) -> tuple[float, str] | None:
@@ -119,5 +121,8 @@ def quantity_parts(value: Any) -> tuple[float, str] | None:
     True
     """
     if hasattr(value, "magnitude") and hasattr(value, "units"):
-        return float(value.magnitude), str(value.units)
+        try:
+            return float(value.magnitude), str(value.units)
+        except TypeError:
+            raise ParameterError(f"{value!r} is not one number; give a scalar quantity") from None
     return None

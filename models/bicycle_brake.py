@@ -12,11 +12,20 @@ Bike braking vibration modelling and measurement, Procedia Engineering 72
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
 from bondgraph.elements import TF, Zero
 from bondgraph.graph import BondGraph, assemble
 
 from .bicycle import SYMBOLS as s
 from .bicycle import hydraulic_line, pad_friction, rear_frame, rear_wheel, sheet
+
+if TYPE_CHECKING:
+    from bondgraph.report import Section
+
+# What a report follows the eigenvalues over unless it is told otherwise: NAME, LO, HI, N in SI.
+VARY = (("V0", 0.25, 1.5, 200),)
 
 
 def graph() -> BondGraph:
@@ -54,3 +63,20 @@ def graph() -> BondGraph:
             "N": (s.A_p * line["fluid"].e, "N", "normal force of both pads"),
         },
     )
+
+
+def figures(parameters: Mapping[Any, Any] | None = None) -> list[Section]:
+    """Build this model's own sections of a report: the paper's Figs 4 to 9.
+
+    Parameters
+    ----------
+    parameters : mapping, optional
+        Those of the report.
+
+    Returns
+    -------
+    list of bondgraph.report.Section
+    """
+    from .bicycle.story import figures as of
+
+    return of(graph(), parameters)

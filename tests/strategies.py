@@ -9,7 +9,9 @@ from hypothesis import strategies as st
 from .sketches import Sketch
 
 # Moderate and various: nothing stiff, and few graphs whose constants cancel by accident.
-VALUES = [Fraction(n, d) for n, d in [(1, 1), (2, 1), (3, 1), (1, 2), (2, 3), (5, 3), (5, 4), (7, 5)]]
+VALUES = [
+    Fraction(n, d) for n, d in [(1, 1), (2, 1), (3, 1), (1, 2), (2, 3), (5, 3), (5, 4), (7, 5)]
+]
 RATIOS = [sign * value for value in VALUES for sign in (1, -1)]
 PASSIVE = ["R", "C", "I"]
 
@@ -45,7 +47,9 @@ class _Pencil:
         self.bonds: list[tuple[str, str]] = []
 
     def sketch(self, junctions, loops, ones, chain, kinds) -> Sketch:
-        nodes = [self.element(self.draw(st.sampled_from("01"))) for _ in range(self.up_to(junctions, 1))]
+        nodes = [
+            self.element(self.draw(st.sampled_from("01"))) for _ in range(self.up_to(junctions, 1))
+        ]
         for place, node in enumerate(nodes[1:], start=1):
             self.join(self.draw(st.sampled_from(nodes[:place])), node, chain)
         for _ in range(self.up_to(loops) if len(nodes) > 1 else 0):

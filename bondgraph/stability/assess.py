@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -29,8 +28,8 @@ class StabilityResult:
     overrides : dict of str to value
         Parameters as the user gave them.
     system : LinearSystem
-    modes : tuple of Mode
-        One an eigenvalue, in the order of ``system.poles()``.
+    rows : tuple of Mode
+        The modal table: one an eigenvalue, in the order of ``system.poles()``.
     loci : tuple of Locus
     verdict : str
         Plain language, a sentence a line.
@@ -40,10 +39,15 @@ class StabilityResult:
     graph: BondGraph
     overrides: dict[str, Any]
     system: LinearSystem
-    modes: tuple[Mode, ...]
+    rows: tuple[Mode, ...]
     loci: tuple[Locus, ...]
     verdict: str
     warnings: tuple[str, ...]
+
+    @property
+    def model(self) -> str:
+        """The model's name."""
+        return self.graph.name
 
     @property
     def point(self) -> SteadyState:
@@ -53,12 +57,12 @@ class StabilityResult:
     @property
     def stable(self) -> bool:
         """Whether every mode decays."""
-        return is_stable(self.modes)
+        return is_stable(self.rows)
 
     @property
     def critical(self) -> Mode | None:
         """The mode that decides; None without states."""
-        return critical(self.modes) if self.modes else None
+        return critical(self.rows) if self.rows else None
 
     @property
     def edges(self) -> tuple[Edge, ...]:
@@ -72,22 +76,23 @@ class StabilityResult:
         -------
         dict
             Schema 1: model, operating_point, states, eigenvalues, stable, A and
-            edges; besides, modes of the contacts, carriers and feeds of each
-            eigenvalue, verdict and warnings. All SI; what is not a finite
+            edges; besides, modes of the contacts, carriers, energies and feeds
+            of each eigenvalue, verdict and warnings. All SI; what is not a finite
             number is None.
         """
         return {
             "schema": SCHEMA,
-            "model": self.graph.name,
+            "model": self.model,
             "operating_point": {**self.point.states, **self.point.outputs},
             "states": list(self.system.states),
-            "eigenvalues": [_eigenvalue(mode) for mode in self.modes],
+            "eigenvalues": [_eigenvalue(mode) for mode in self.rows],
             "stable": self.stable,
             "A": self.system.A.tolist(),
             "edges": [_edge(edge) for edge in self.edges],
             "modes": dict(self.point.modes),
-            "carriers": [dict(mode.carriers) for mode in self.modes],
-            "feeds": [dict(mode.feeds) for mode in self.modes],
+            "carriers": [dict(mode.carriers) for mode in self.rows],
+            "energies": [dict(mode.energies) for mode in self.rows],
+            "feeds": [dict(mode.feeds) for mode in self.rows],
             "verdict": self.verdict,
             "warnings": list(self.warnings),
         }
@@ -99,6 +104,7 @@ def assess(
     inputs: Mapping[Any, float] | None = None,
     modes: Mapping[str, str] | None = None,
     vary: Iterable[Vary | str | tuple[Any, ...]] = (),
+    guess: Mapping[Any, float] | None = None,
 ) -> StabilityResult:
     """Assess the stability of a graph's steady state.
 
@@ -114,6 +120,8 @@ def assess(
     vary : iterable of Vary, str or tuple, optional
         Ranges to follow the eigenvalues over: ``("V0", 0.25, 1.5, 200)`` or
         ``"V0=0.25:1.5:200"``.
+    guess : mapping, optional
+        Start of the search for the operating point, by state.
 
     Returns
     -------
@@ -134,7 +142,7 @@ def assess(
     (False, 1.012035)
     """
     ranges = [as_vary(item) for item in vary]
-    point = steady_state(graph, parameters, inputs, modes)
+    point = steady_state(graph, parameters, inputs, modes, guess)
     system = linearize_at(Smooth(point.equations, graph, held=point.parameters), point)
     table = modal_table(system)
     loci = tuple(trace(graph, point, item, parameters) for item in ranges)
@@ -171,19 +179,18 @@ def _gaps(locus: Locus) -> list[str]:
     for gap in locus.gaps:
         reasons.setdefault(gap.reason, []).append(gap.value)
     return [
-        f"no steady state at {len(values)} of {len(locus.values)} points, from {min(values):.4g} "
-        f"to {max(values):.4g} (SI): {reason}"
+        f"left out at {len(values)} of {len(locus.values)} points, from {min(values):.4g} to "
+        f"{max(values):.4g} (SI): {reason}"
         for reason, values in reasons.items()
     ]
 
 
 def _eigenvalue(mode: Mode) -> dict[str, float | None]:
-    ratio = mode.damping_ratio
     return {
         "real": mode.eigenvalue.real,
         "imag": mode.eigenvalue.imag,
         "frequency_hz": mode.frequency_hz,
-        "damping_ratio": ratio if math.isfinite(ratio) else None,
+        "damping_ratio": mode.damping_ratio,
     }
 
 

@@ -97,7 +97,7 @@ def find_edges(
     found: list[Edge] = []
     for run in _runs(good):
         for order in range(eigenvalues.shape[1]):
-            for low, high, x in _brackets(branch, values, states, signs, run, order):
+            for low, high, x in _brackets(branch, values, states, eigenvalues, signs, run, order):
                 _add(found, _root(branch, low, high, order, x))
         for inside, outside in ((run[0], run[0] - 1), (run[-1], run[-1] + 1)):
             if 0 <= outside < len(values) and len(run) > 1:
@@ -132,6 +132,7 @@ def _brackets(
     branch: Branch,
     values: numpy.ndarray,
     states: numpy.ndarray,
+    eigenvalues: numpy.ndarray,
     signs: numpy.ndarray,
     run: list[int],
     order: int,
@@ -142,29 +143,32 @@ def _brackets(
     for left, right in itertools.pairwise(marked):
         if signs[left, order] != signs[right, order]:
             brackets.append((values[left], values[right], states[left]))
-    for before, at, after in zip(run, run[1:], run[2:], strict=False):
-        trio = signs[[before, at, after], order]
-        if order == 0 and trio[0] != 0 and (trio == trio[0]).all():
-            turn = _turn(branch, values[[before, at, after]], states[at], int(trio[0]))
+    for at in run[1:-1] if order == 0 else ():
+        trio = slice(at - 1, at + 2)
+        if _dips(eigenvalues[trio, 0].real, signs[trio, 0]):
+            turn = _turn(branch, values[trio], states[at], int(signs[at, 0]))
             if turn is not None:
-                brackets.append((values[before], turn, states[before]))
-                brackets.append((turn, values[after], states[at]))
+                brackets.append((values[at - 1], turn, states[at - 1]))
+                brackets.append((turn, values[at + 1], states[at]))
     return brackets
 
 
+def _dips(heights: numpy.ndarray, signs: numpy.ndarray) -> bool:
+    """Whether three samples of one sign may hide a dip through zero."""
+    if not (signs[0] != 0 and (signs == signs[0]).all()):
+        return False
+    before, at, after = numpy.abs(heights)
+    return bool(at <= min(before, after) and at <= 2 * max(before - at, after - at))
+
+
 def _turn(branch: Branch, values: numpy.ndarray, x: numpy.ndarray, sign: int) -> float | None:
-    """Return a parameter between two samples at which the greatest real part dips through zero."""
+    """Return a parameter between samples at which the greatest real part is past zero."""
     from scipy.optimize import minimize_scalar
 
     def height(value: float) -> float:
         return sign * float(branch.eigenvalues(value, branch.solve(value, x))[0].real)
 
     try:
-        heights = [height(value) for value in values]
-        if not heights[1] <= min(heights[0], heights[2]):
-            return None
-        if heights[1] > 2 * max(heights[0] - heights[1], heights[2] - heights[1]):
-            return None  # far from zero beside what the samples show it moves
         ends = (float(values.min()), float(values.max()))
         lowest = minimize_scalar(height, bounds=ends, method="bounded")
     except SteadyStateError:

@@ -12,7 +12,7 @@ import numpy
 
 from ..errors import ParameterError, SteadyStateError
 from ..graph import BondGraph
-from ..parameters import resolve, unknown_name
+from ..parameters import Resolver, unknown_name
 from ..smooth import Smooth
 from ..steady import SteadyState, solve_rates
 from ..units import to_si
@@ -184,6 +184,7 @@ class Branch:
         self.is_input = name not in table
         self.unit = _input_unit(graph, name) if self.is_input else table[name].unit
         self.smooth = Smooth(equations, graph, held={*self.overrides, name})
+        self.resolver = Resolver(graph.parameters)
         self._u = numpy.array(list(point.inputs.values()))
         self._p = self.smooth.vector(point.parameters)
         order: Iterable[str] = point.inputs if self.is_input else self.smooth.names
@@ -239,7 +240,7 @@ class Branch:
             states=dict(zip(self.point.states, map(float, x), strict=True)),
             outputs=self.smooth.outputs(x, u, p),
             inputs=dict(zip(self.point.inputs, map(float, u), strict=True)),
-            parameters=parameter_values(equations, changed),
+            parameters=parameter_values(equations, changed, self.resolver),
         )
 
     def second_guess(self, value: float) -> numpy.ndarray:
@@ -352,7 +353,8 @@ def _walk(branch: Branch, values: numpy.ndarray) -> tuple[numpy.ndarray, dict[in
             try:
                 states[index] = guess = _solved(branch, values[index], guess)
             except SteadyStateError as error:
-                reasons[index] = str(error)
+                lost = "no steady state found near the last one"
+                reasons[index] = str(error) if error.elements else lost
     return states, reasons
 
 
@@ -373,8 +375,7 @@ def _check_ends(branch: Branch, vary: Vary) -> None:
     if branch.is_input:
         return
     for value in (vary.lo, vary.hi):
-        changed: dict[Any, Any] = {**branch.overrides, vary.name: value}
-        resolve(branch.graph.parameters, changed, partial=True)
+        branch.resolver({**branch.overrides, vary.name: value}, partial=True)
 
 
 def _input_unit(graph: BondGraph, name: str) -> str:

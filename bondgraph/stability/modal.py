@@ -37,11 +37,13 @@ class Mode:
     carriers : mapping of str to float
         Participation factors summed over each element's states, largest first;
         they add up to one.
+    energies : mapping of str to float
+        Share of each storage in the mode's energy, largest first; they add up
+        to one. Empty where the energy is not positive or not known.
     feeds : mapping of str to float
         Contribution of each dissipator and source to the growth rate, 1/s,
         largest first: positive feeds the mode, negative drains it. They add up
-        to the real part of the eigenvalue. Empty where the stored energy of the
-        mode is not positive or not known.
+        to the real part of the eigenvalue. Empty where `energies` is.
 
     Examples
     --------
@@ -54,6 +56,7 @@ class Mode:
     eigenvalue: complex
     growth: int
     carriers: Mapping[str, float] = field(default_factory=dict)
+    energies: Mapping[str, float] = field(default_factory=dict)
     feeds: Mapping[str, float] = field(default_factory=dict)
 
     @property
@@ -67,10 +70,10 @@ class Mode:
         return abs(self.eigenvalue) / (2 * math.pi)
 
     @property
-    def damping_ratio(self) -> float:
-        """Damping ratio; negative where growing, nan for an eigenvalue at zero."""
+    def damping_ratio(self) -> float | None:
+        """Damping ratio; negative where growing, None for an eigenvalue at zero."""
         size = abs(self.eigenvalue)
-        return -self.eigenvalue.real / size if size else math.nan
+        return -self.eigenvalue.real / size if size else None
 
     @property
     def time_constant(self) -> float:
@@ -83,12 +86,22 @@ class Mode:
         return self.growth < 0
 
     @property
-    def dominant(self) -> tuple[str, ...]:
+    def elements(self) -> tuple[str, ...]:
         """Elements that carry the mode, largest first."""
         largest = max(self.carriers.values(), default=0.0)
         return tuple(
             name for name, share in self.carriers.items() if share >= DOMINANT * largest > 0
         )
+
+    @property
+    def telling(self) -> Mapping[str, float]:
+        """The feeds, where they tell of this mode.
+
+        That is where its carriers hold most of its energy; else the mode
+        merely drives parts that hold more, and the balance is theirs.
+        """
+        held = sum(self.energies.get(name, 0.0) for name in self.elements)
+        return self.feeds if held > 0.5 else {}
 
 
 def growths(eigenvalues: numpy.ndarray) -> numpy.ndarray:
@@ -132,12 +145,12 @@ def modal_table(system: LinearSystem) -> tuple[Mode, ...]:
     >>> v = One("v")
     >>> graph = assemble("msd", Se("F", 1) >> v >> (I("m", 2), C("k", stiffness=8), R("b", 0.5)))
     >>> mode = modal_table(linearize(graph))[0]
-    >>> mode.dominant, round(mode.feeds["b"], 9)
+    >>> mode.elements, round(mode.feeds["b"], 9)
     (('m', 'k'), -0.125)
     """
     poles = system.poles()
     shares = system.participation()
-    vectors = system._modes()[1]
+    vectors = system.shapes()
     flows = _Variations(system.at) if len(poles) else None
     grow = growths(poles)
     return tuple(
@@ -145,7 +158,7 @@ def modal_table(system: LinearSystem) -> tuple[Mode, ...]:
             complex(pole),
             int(grow[index]),
             _by_element(system.states, shares[:, index]),
-            flows.feeds(vectors[:, index], complex(pole)) if flows else {},
+            *(flows.balance(vectors[:, index], complex(pole)) if flows else ({}, {})),
         )
         for index, pole in enumerate(poles)
     )
@@ -161,7 +174,8 @@ def _by_element(states: tuple[str, ...], shares: numpy.ndarray) -> dict[str, flo
 
 
 def _largest_first(values: Mapping[str, float]) -> dict[str, float]:
-    return dict(sorted(values.items(), key=lambda item: -item[1]))
+    # rounded, so that shares that are equal but for the last bit keep their order
+    return dict(sorted(values.items(), key=lambda item: -float(f"{item[1]:.9g}")))
 
 
 class _Variations:
@@ -193,14 +207,20 @@ class _Variations:
             rows += [equations.ports[f"{name}.e"], equations.ports[f"{name}.f"]]
         self.matrix = _jacobian(point, rows)
 
-    def feeds(self, vector: numpy.ndarray, pole: complex) -> dict[str, float]:
-        """Return each one-port's part in the growth rate of a mode."""
+    def balance(
+        self, vector: numpy.ndarray, pole: complex
+    ) -> tuple[dict[str, float], dict[str, float]]:
+        """Return each storage's share in a mode's energy, and each other port's in its growth."""
         changes = (self.matrix @ vector).reshape(-1, 2)
         split = len(self.storages)
         works = (changes[:, 0].conj() * changes[:, 1]).real
         energy = works[:split].sum() / 2
         if not numpy.isfinite(works).all() or energy <= 0:
-            return {}
+            return {}, {}
+        held = {
+            name: float(work / (2 * energy))
+            for name, work in zip(self.storages, works[:split], strict=True)
+        }
         parts = {
             name: float(sign * work / (2 * energy))
             for name, sign, work in zip(self.others, self.signs, works[split:], strict=True)
@@ -209,7 +229,8 @@ class _Variations:
         if abs(left) > 1e-6 * abs(pole):
             parts["modulation"] = left
         threshold = 1e-9 * abs(pole)
-        return _largest_first({name: part for name, part in parts.items() if abs(part) > threshold})
+        told = {name: part for name, part in parts.items() if abs(part) > threshold}
+        return _largest_first(held), _largest_first(told)
 
 
 def _port(equations: Equations, name: str, symbol: sympy.Symbol, element: Storage) -> sympy.Expr:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Mapping, Sequence
 
 from ..linear import LinearSystem
@@ -65,7 +64,7 @@ def critical(modes: Sequence[Mode]) -> Mode:
         return max(candidates, key=lambda mode: (mode.eigenvalue.real, mode.eigenvalue.imag))
     waves = [mode for mode in modes if mode.eigenvalue.imag > 0]
     if waves:
-        return min(waves, key=lambda mode: mode.damping_ratio)
+        return min(waves, key=lambda mode: -mode.eigenvalue.real / abs(mode.eigenvalue))
     return max(modes, key=lambda mode: mode.eigenvalue.real)
 
 
@@ -74,15 +73,18 @@ def is_stable(modes: Iterable[Mode]) -> bool:
     return all(mode.stable for mode in modes)
 
 
-def listed(names: Sequence[str]) -> str:
-    """Join names as a sentence does.
+def listed(names: Sequence[str], most: int = 3) -> str:
+    """Join names as a sentence does, the last of many as a number.
 
     Examples
     --------
     >>> listed(["a", "b", "c"])
     'a, b and c'
+    >>> listed(["a", "b", "c", "d", "e"])
+    'a, b, c and 2 more'
     """
-    return " and ".join(filter(None, [", ".join(names[:-1]), *names[-1:]]))
+    shown = [*names[:most], f"{len(names) - most} more"] if len(names) > most + 1 else [*names]
+    return " and ".join(filter(None, [", ".join(shown[:-1]), *shown[-1:]]))
 
 
 def duration(seconds: float) -> str:
@@ -90,18 +92,17 @@ def duration(seconds: float) -> str:
 
     Examples
     --------
-    >>> duration(0.0206)
-    '20.6 ms'
+    >>> duration(0.0206), duration(300.0)
+    ('20.6 ms', '300 s')
     """
-    for limit, factor, unit in ((1e-3, 1e6, "µs"), (1.0, 1e3, "ms"), (math.inf, 1.0, "s")):
-        if seconds < limit:
-            return f"{seconds * factor:.3g} {unit}"
-    return "for ever"
+    scales = ((1.0, "s"), (1e3, "ms"), (1e6, "µs"))
+    factor, unit = next((item for item in scales if seconds * item[0] >= 1), (1e9, "ns"))
+    return f"{seconds * factor:.3g} {unit}"
 
 
 def _state(system: LinearSystem, modes: Sequence[Mode], mode: Mode) -> str:
     name, held = system.at.equations.name, _modes_in_words(system.at.modes)
-    carriers = listed(mode.dominant)
+    carriers = listed(mode.elements)
     carried = f", carried by {carriers}," if carriers else ""
     kind = f"{mode.frequency_hz:.4g} Hz mode" if mode.eigenvalue.imag else "real mode"
     if mode.growth > 0:
@@ -136,8 +137,8 @@ def _modes_in_words(modes: Mapping[str, str]) -> str:
 
 def _balance(mode: Mode) -> list[str]:
     """Say which elements feed the mode and which drain it."""
-    largest = max(map(abs, mode.feeds.values()), default=0.0)
-    told = {name: rate for name, rate in mode.feeds.items() if abs(rate) > WORTH_SAYING * largest}
+    largest = max(map(abs, mode.telling.values()), default=0.0)
+    told = {name: rate for name, rate in mode.telling.items() if abs(rate) > WORTH_SAYING * largest}
     feeding = [f"{name} feeds it with {rate:.3g} 1/s" for name, rate in told.items() if rate > 0]
     draining = [f"{name} takes {-rate:.3g} 1/s" for name, rate in told.items() if rate < 0]
     draining.reverse()

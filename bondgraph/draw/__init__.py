@@ -1,0 +1,6 @@
+"""Drawings of bond graphs: own layout, own SVG."""
+
+from .layout import Drawing, layout
+from .svg import to_svg
+
+__all__ = ["Drawing", "layout", "to_svg"]

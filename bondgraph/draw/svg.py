@@ -1,0 +1,230 @@
+"""SVG of a drawing: half arrows, causal strokes, labels."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterable
+from xml.sax.saxutils import escape, quoteattr
+
+import sympy
+
+from ..causality import CausalGraph
+from ..elements import Element
+from ..graph import BondGraph
+from .geometry import Point, length, text_width, towards
+from .layout import CAPTION, LABEL, Drawing, Line, Node, layout
+
+FONT = "STIX Two Text, STIXGeneral, Times New Roman, Times, serif"
+INK, MARK = "#000000", "#b3261e"
+BARB = (10.0, 5.5)  # of a half arrow: along the bond, and off it
+STROKE = 8.0  # half the length of a causal stroke
+PAD = 14.0
+
+
+def to_svg(graph: BondGraph | CausalGraph, *, numbers: bool = False) -> str:
+    """Draw a graph as SVG, the way textbooks do.
+
+    Parameters
+    ----------
+    graph : BondGraph or CausalGraph
+        Causal strokes are drawn where causality is assigned.
+    numbers : bool
+        Whether to number the bonds, from one, in the order of ``graph.bonds``.
+
+    Returns
+    -------
+    str
+        A document of its own, which can also stand inside a page of HTML. The
+        same graph gives the same text. Storages in derivative causality are
+        framed, in red, and named in a note. Dashed arrows are modulations.
+
+    Examples
+    --------
+    >>> from bondgraph import C, One, R, Se, assemble, assign_causality
+    >>> v = One("v")
+    >>> rc = assemble("rc", Se("E", 1) >> v >> (R("r", 1), C("c", 1)))
+    >>> to_svg(assign_causality(rc)).count('class="stroke"')
+    3
+    """
+    causal = graph if isinstance(graph, CausalGraph) else None
+    plain = graph if isinstance(graph, BondGraph) else graph.graph
+    drawing = layout(plain)
+    derivative = frozenset(causal.derivative if causal else ())
+    note = f"derivative causality: {', '.join(causal.derivative)}" if causal and derivative else ""
+    body = [
+        *_bonds(plain, drawing, causal, derivative, numbers),
+        *(_signal(line) for line in drawing.signals),
+        *(
+            _node(node, plain.elements[name], name in derivative)
+            for name, node in drawing.nodes.items()
+        ),
+    ]
+    width, height, shift = _extent(drawing, note)
+    if note:
+        at = (drawing.frame.x0, drawing.frame.y1 + 2 * PAD)
+        body.append(_text(note, at, CAPTION, "note", anchor="start", fill=MARK))
+    return "\n".join([*_head(plain, causal, width, height, shift), *body, "</g>", "</svg>", ""])
+
+
+def _extent(drawing: Drawing, note: str) -> tuple[float, float, Point]:
+    """Return width and height of the picture, and the shift that puts its corner at zero."""
+    frame = drawing.frame
+    width = max(frame.x1 - frame.x0, text_width(note, CAPTION)) + 2 * PAD
+    height = frame.y1 - frame.y0 + 2 * PAD + (2 * PAD if note else 0)
+    return width, height, (PAD - frame.x0, PAD - frame.y0)
+
+
+def _head(
+    graph: BondGraph, causal: CausalGraph | None, width: float, height: float, shift: Point
+) -> Iterable[str]:
+    size = f'width="{_n(width)}" height="{_n(height)}" viewBox="0 0 {_n(width)} {_n(height)}"'
+    yield f'<svg xmlns="http://www.w3.org/2000/svg" {size} role="img" font-family={quoteattr(FONT)}>'
+    yield f"<title>{escape(f'Bond graph of {graph.name}')}</title>"
+    yield f"<desc>{escape(_description(graph, causal))}</desc>"
+    yield f'<rect width="{_n(width)}" height="{_n(height)}" fill="#ffffff"/>'
+    yield f'<g transform="translate({_n(shift[0])} {_n(shift[1])})" fill="none" stroke="{INK}">'
+
+
+def _description(graph: BondGraph, causal: CausalGraph | None) -> str:
+    bonds = ", ".join(f"{bond.tail} to {bond.head}" for bond in graph.bonds)
+    words = [f"{len(graph.elements)} elements. Bonds in the direction of power: {bonds}."]
+    if graph.signals:
+        signals = ", ".join(f"{s.source}.{s.variable} to {s.target}" for s in graph.signals)
+        words.append(f"Modulations: {signals}.")
+    if causal and causal.derivative:
+        words.append(f"In derivative causality: {', '.join(causal.derivative)}.")
+    return " ".join(words)
+
+
+def _bonds(
+    graph: BondGraph,
+    drawing: Drawing,
+    causal: CausalGraph | None,
+    derivative: frozenset[str],
+    numbers: bool,
+) -> Iterable[str]:
+    for index, (bond, line) in enumerate(zip(graph.bonds, drawing.bonds, strict=True)):
+        marked = {bond.tail, bond.head} & derivative
+        colour = f' stroke="{MARK}"' if marked else ""
+        parts = [_polyline("bond", line.points), _half_arrow(line.points)]
+        if causal is not None:
+            at_head = causal.strokes[index].flow_out_of == bond.head
+            parts.append(_stroke(line.points if at_head else line.points[::-1]))
+        if numbers:
+            parts.append(_number(index + 1, line.points))
+        name = quoteattr(bond.name)
+        yield f'<g data-bond={name}{colour} stroke-width="1.4">{"".join(parts)}</g>'
+
+
+def _polyline(kind: str, points: Iterable[Point], extra: str = "") -> str:
+    path = " ".join(f"{_n(x)},{_n(y)}" for x, y in points)
+    return f'<polyline class="{kind}" points="{path}"{extra}/>'
+
+
+def _half_arrow(points: tuple[Point, ...]) -> str:
+    """Draw the barb at the head, below a level bond and to the right of an upright one."""
+    tip, before = points[-1], points[-2]
+    back = towards(tip, before, BARB[0])
+    across = _across(before, tip)
+    if across[1] < 0 or (abs(across[1]) < 1e-9 and across[0] < 0):
+        across = (-across[0], -across[1])
+    barb = (back[0] + BARB[1] * across[0], back[1] + BARB[1] * across[1])
+    return _polyline("half-arrow", (barb, tip))
+
+
+def _stroke(points: tuple[Point, ...]) -> str:
+    """Draw the causal stroke across the last point."""
+    tip = points[-1]
+    across = _across(points[-2], tip)
+    ends = [
+        (tip[0] + sign * STROKE * across[0], tip[1] + sign * STROKE * across[1]) for sign in (-1, 1)
+    ]
+    return _polyline("stroke", ends, ' stroke-width="2.2"')
+
+
+def _across(start: Point, end: Point) -> Point:
+    """Return the unit vector across a line."""
+    whole = length(start, end) or 1.0
+    return (start[1] - end[1]) / whole, (end[0] - start[0]) / whole
+
+
+def _number(number: int, points: tuple[Point, ...]) -> str:
+    """Write a bond's number beside its middle, away from the barb."""
+    first, second = max(itertools.pairwise(points), key=lambda pair: length(*pair))
+    across = _across(first, second)
+    if across[1] > 0 or (abs(across[1]) < 1e-9 and across[0] > 0):
+        across = (-across[0], -across[1])
+    middle = ((first[0] + second[0]) / 2, (first[1] + second[1]) / 2)
+    at = (middle[0] + 9 * across[0], middle[1] + 9 * across[1])
+    return _text(str(number), at, CAPTION - 2, "number")
+
+
+def _signal(line: Line) -> str:
+    """Draw a modulation: thin, dashed, with a full arrow head."""
+    tip, before = line.points[-1], line.points[-2]
+    back, across = towards(tip, before, 8.0), _across(before, tip)
+    wings = [
+        (back[0] + sign * 3.2 * across[0], back[1] + sign * 3.2 * across[1]) for sign in (-1, 1)
+    ]
+    path = " ".join(f"{_n(x)},{_n(y)}" for x, y in (wings[0], tip, wings[1]))
+    dashes = ' stroke-dasharray="4 3"'
+    return (
+        f'<g data-signal={quoteattr(line.name)} stroke-width="0.9">'
+        f"{_polyline('signal', (*line.points[:-1], back), dashes)}"
+        f'<polygon points="{path}" fill="{INK}" stroke="none"/></g>'
+    )
+
+
+def _node(node: Node, element: Element, marked: bool) -> str:
+    colour = MARK if marked else INK
+    parts = [f"<title>{escape(_tooltip(node.name, element))}</title>"]
+    if marked:
+        box = node.box.grown(2.0)
+        size = f'width="{_n(box.x1 - box.x0)}" height="{_n(box.y1 - box.y0)}"'
+        parts.append(
+            f'<rect x="{_n(box.x0)}" y="{_n(box.y0)}" {size} stroke="{MARK}" stroke-width="0.9"/>'
+        )
+    parts.append(_text(node.label, node.at, LABEL, "label", fill=colour))
+    if node.caption is not None:
+        box = node.caption
+        middle = ((box.x0 + box.x1) / 2, (box.y0 + box.y1) / 2)
+        parts.append(_text(node.name, middle, CAPTION, "caption", style="italic"))
+    return f"<g data-element={quoteattr(node.name)}>{''.join(parts)}</g>"
+
+
+def _tooltip(name: str, element: Element) -> str:
+    """Say what an element is, with its law in plain names."""
+    own = {symbol: sympy.Symbol(key) for key, symbol in element.symbols.items()}
+    laws = []
+    for key, law in element.laws.items():
+        if key in _SHOWN:
+            plain = {dummy: sympy.Symbol(dummy.name) for dummy in law.atoms(sympy.Dummy)} | own
+            laws.append(f"{key} = {law.xreplace(plain)}")
+    return f"{element.kind} {name}" + (f": {'; '.join(laws)}" if laws else "")
+
+
+_SHOWN = ("effort", "flow", "law", "kinetic", "ratio")
+
+
+def _text(
+    text: str,
+    at: Point,
+    size: float,
+    kind: str,
+    *,
+    anchor: str = "middle",
+    fill: str = INK,
+    style: str = "",
+) -> str:
+    """Write a text whose capitals are centred on a height."""
+    slant = f' font-style="{style}"' if style else ""
+    return (
+        f'<text class="{kind}" x="{_n(at[0])}" y="{_n(at[1] + 0.34 * size)}" font-size="{_n(size)}" '
+        f'text-anchor="{anchor}" fill="{fill}" stroke="none"{slant}>{escape(text)}</text>'
+    )
+
+
+def _n(value: float) -> str:
+    """Write a number with at most one decimal."""
+    text = f"{value:.1f}".removesuffix(".0")
+    return "0" if text == "-0" else text

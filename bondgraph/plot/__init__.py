@@ -1,0 +1,29 @@
+"""Plots of trajectories, eigenvalue loci and friction laws, on matplotlib axes.
+
+Each function draws on the axes it is given, or on those of a new figure, and
+returns the axes. pyplot is not used, so nothing is kept or shown. The colours
+are told apart by colour-blind readers, the line styles in black and white.
+
+References
+----------
+Okabe, Ito, Color universal design, 2008 (the palette).
+"""
+
+from .laws import friction_curve
+from .loci import growth_rates, root_locus
+from .motion import application, phase_plane, time_response
+from .style import PALETTE, Signal, new_axes, pretty, signal
+
+__all__ = [
+    "PALETTE",
+    "Signal",
+    "application",
+    "friction_curve",
+    "growth_rates",
+    "new_axes",
+    "phase_plane",
+    "pretty",
+    "root_locus",
+    "signal",
+    "time_response",
+]

@@ -1,0 +1,131 @@
+"""Writing: from a stability result to a folder with a page, plots and numbers."""
+
+from __future__ import annotations
+
+import csv
+import itertools
+import json
+from collections.abc import Iterable
+from pathlib import Path
+
+from ..causality import assign_causality
+from ..errors import BondGraphError
+from ..stability import StabilityResult
+from . import contents
+from .blocks import Panel, Section
+from .page import render
+from .svg import standalone
+
+
+def write_report(
+    result: StabilityResult,
+    folder: str | Path,
+    sections: Iterable[Section] = (),
+    description: str = "",
+) -> Path:
+    """Write a report: ``index.html``, ``stability.json``, and ``plots/`` with SVG and CSV.
+
+    The page needs neither network nor script, and can be moved alone.
+
+    Parameters
+    ----------
+    result : StabilityResult
+    folder : str or Path
+        Made where it does not exist.
+    sections : iterable of Section
+        The model's own, shown after the eigenvalues.
+    description : str
+        What the model is, in paragraphs.
+
+    Returns
+    -------
+    Path
+        Of the page.
+
+    Raises
+    ------
+    BondGraphError
+        Where the folder cannot be written.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from bondgraph.models import quarter_car
+    >>> from bondgraph.stability import assess
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     page = write_report(assess(quarter_car.graph()), folder)
+    ...     sorted(path.name for path in page.parent.iterdir())
+    ['index.html', 'plots', 'stability.json']
+    """
+    chapters = _chapters(result, list(sections), description)
+    panels = [
+        panel for chapter in chapters for figure in chapter.figures for panel in figure.panels
+    ]
+    _check_names(panels)
+    drawings = {panel.name: standalone(panel.ax) for panel in panels}
+    page = render(
+        result.model,
+        "Stable" if result.stable else _unstable(result),
+        result.verdict.splitlines(),
+        result.stable,
+        chapters,
+        drawings,
+    )
+    data = json.dumps(result.to_json(), indent=1, allow_nan=False)
+    folder = Path(folder)
+    try:
+        (folder / "plots").mkdir(parents=True, exist_ok=True)
+        for panel in panels:
+            plots = folder / "plots"
+            (plots / f"{panel.name}.svg").write_text(drawings[panel.name], encoding="utf-8")
+            _write_csv(plots / f"{panel.name}.csv", panel)
+        (folder / "stability.json").write_text(data + "\n", encoding="utf-8")
+        (folder / "index.html").write_text(page, encoding="utf-8")
+    except OSError as error:
+        raise BondGraphError(
+            f"cannot write the report into {folder}: {error.strerror or error}"
+        ) from None
+    return folder / "index.html"
+
+
+def _unstable(result: StabilityResult) -> str:
+    worst = max((mode.growth for mode in result.rows), default=0)
+    return "Unstable" if worst > 0 else "Neither stable nor unstable"
+
+
+def _chapters(result: StabilityResult, own: list[Section], description: str) -> list[Section]:
+    """Gather all sections in order."""
+    causal = assign_causality(result.graph)
+    figures = [figure for section in own for figure in section.figures]
+    chapters = [
+        contents.model_section(result, causal, description),
+        contents.parameter_section(result),
+        contents.point_section(result),
+        contents.eigenvalue_section(result),
+        contents.locus_section(result.loci),
+        *(own or [contents.friction_section(result)]),
+        contents.equation_section(result),
+        contents.causality_section(causal),
+        contents.assumption_section(result),
+        contents.solver_section(result, figures),
+    ]
+    return [chapter for chapter in chapters if chapter is not None]
+
+
+def _check_names(panels: list[Panel]) -> None:
+    names = [panel.name for panel in panels]
+    for name in names:
+        if contents.slug(name) != name or names.count(name) > 1:
+            raise BondGraphError(
+                f"plot {name!r}: its name is that of files; use letters, digits, '-' and '_', once"
+            )
+
+
+def _write_csv(path: Path, panel: Panel) -> None:
+    """Write the columns side by side; shorter ones end in empty cells."""
+    columns = panel.columns()
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        writer.writerow(columns)
+        for row in itertools.zip_longest(*columns.values()):
+            writer.writerow(["" if value is None else f"{float(value):.10g}" for value in row])

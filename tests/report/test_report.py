@@ -1,0 +1,256 @@
+"""The report: complete, self-contained, escaped, and in agreement with its result."""
+
+from __future__ import annotations
+
+import csv
+import json
+import re
+from html.parser import HTMLParser
+
+import numpy as np
+import pytest
+import sympy
+
+from bondgraph import C, I, One, R, Se, assemble, models
+from bondgraph.errors import BondGraphError
+from bondgraph.plot import new_axes
+from bondgraph.report import Figure, Panel, Section, Table, Text, write_report
+from bondgraph.report.contents import number
+from bondgraph.stability import assess
+
+VOID = {"meta", "br", "link", "img"}
+BRAKE = models.bicycle_brake
+
+
+class Page(HTMLParser):
+    """Checks nesting; gathers ids, references, text and tags."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.open, self.ids, self.links, self.tags, self.words = [], [], [], set(), []
+        self.feed(text)
+        assert not self.open, self.open
+
+    def handle_starttag(self, tag, attrs):
+        self.tags.add(tag)
+        if tag not in VOID:
+            self.open.append(tag)
+        self._note(attrs)
+
+    def handle_startendtag(self, tag, attrs):
+        self.tags.add(tag)
+        self._note(attrs)
+
+    def _note(self, attrs):
+        for key, value in attrs:
+            if key == "id":
+                self.ids.append(value)
+            if key in ("href", "src", "xlink:href"):
+                self.links.append(value)
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag, tag
+
+    def handle_data(self, data):
+        if not self.open or self.open[-1] != "style":
+            self.words.append(data)
+
+    @property
+    def text(self):
+        return " ".join(self.words)
+
+
+@pytest.fixture(scope="module")
+def squeal(tmp_path_factory):
+    values = {"mu_s": 0.5, "tau": 0.06, "v_s": 0.2}
+    result = assess(BRAKE.graph(), values, vary=BRAKE.VARY)
+    folder = tmp_path_factory.mktemp("report")
+    sections = BRAKE.figures(values)
+    page = write_report(result, folder, sections, BRAKE.__doc__)
+    return result, page, Page(page.read_text(encoding="utf-8")), sections
+
+
+def columns(path):
+    with path.open(encoding="utf-8") as file:
+        rows = list(csv.reader(file))
+    return {name: [row[i] for row in rows[1:]] for i, name in enumerate(rows[0])}
+
+
+def test_the_page_stands_alone(squeal):
+    _, path, page, _ = squeal
+    text = path.read_text(encoding="utf-8")
+    assert re.findall(r"https?:|//[a-z]|@import|url\((?!#)", text) == []
+    assert page.tags.isdisjoint({"script", "link", "img", "iframe", "object"})
+
+
+def test_all_references_lead_somewhere(squeal):
+    _, path, page, _ = squeal
+    assert len(page.ids) == len(set(page.ids))
+    for link in page.links:
+        if link.startswith("#"):
+            assert link[1:] in page.ids, link
+        else:
+            assert (path.parent / link).is_file(), link
+
+
+def test_every_plot_has_its_file_and_its_numbers(squeal):
+    _, path, page, _ = squeal
+    names = {file.stem for file in (path.parent / "plots").iterdir()}
+    expected = {"locus-V0", "growth-V0", "fig4", "fig5", "run-phase", "run-time"}
+    expected |= {f"fig{k}-{kind}" for k in (6, 7, 8, 9) for kind in ("phase", "time")}
+    assert names == expected
+    for name in names:
+        svg = (path.parent / "plots" / f"{name}.svg").read_text(encoding="utf-8")
+        assert set(re.findall(r"https?://[^\"' ]*", svg)) <= {
+            "http://www.w3.org/2000/svg",
+            "http://www.w3.org/1999/xlink",
+        }
+        table = columns(path.parent / "plots" / f"{name}.csv")
+        assert len(table) >= 2 and all("[" in heading for heading in table), name
+    assert "csv" in " ".join(page.links)
+
+
+def test_the_chapters_are_in_order(squeal):
+    _, path, page, _ = squeal
+    titles = re.findall(r"<h2>(.*?)</h2>", path.read_text(encoding="utf-8"))
+    assert titles == [
+        "Model",
+        "Parameters",
+        "Operating point",
+        "Eigenvalues",
+        "How far the edge is",
+        "Braking",
+        "The paper&#x27;s figures",
+        "Equations",
+        "Causality",
+        "Warnings and assumptions",
+        "Solver outcomes",
+    ]
+    assert "Unstable" in page.text and "math" in page.tags and "svg" in page.tags
+    assert "Bond graph of bicycle_brake" in path.read_text(encoding="utf-8")
+
+
+def test_the_page_says_what_the_result_says(squeal):
+    result, _, page, _ = squeal
+    for sentence in result.verdict.splitlines():
+        assert sentence in page.text
+    for warning in result.warnings:
+        assert warning in page.text
+    for row in result.rows:
+        if row.eigenvalue.imag >= 0:
+            assert number(row.eigenvalue.real, 7) in page.text
+            assert number(row.frequency_hz) in page.text
+            assert number(row.damping_ratio, 4) in page.text
+    for entry in result.system.A.ravel():
+        assert number(entry) in page.text
+    for name, value in result.point.outputs.items():
+        if name != "V_c":  # zero but for rounding
+            assert name in page.words and number(value) in page.text
+    (edge,) = result.edges
+    assert number(edge.value, 8) in page.text and number(edge.frequency_hz, 8) in page.text
+
+
+def test_parameters_stand_with_unit_meaning_and_source(squeal):
+    result, path, page, _ = squeal
+    text = path.read_text(encoding="utf-8")
+    row = re.search(r"<tr><th[^>]*><code>k_f</code>.*?</tr>", text)[0]
+    cells = re.findall(r"<t[dh][^>]*>(.*?)</t[dh]>", row)
+    meaning = "bending stiffness of the rear frame at the caliper"
+    assert cells[1:5] == ["350", "N/mm", "350000 N/m", meaning]
+    assert "Procedia" in cells[5]
+    row = re.search(r"<tr><th[^>]*><code>v_s</code>.*?</tr>", text)[0]
+    assert "set for this report" in row
+    assert "k_f/(4*pi^2*f_f^2)" in page.text
+    assert "not in these equations: r_t, V_b" in page.text
+    assert result.point.parameters["N0"] == pytest.approx(2250)
+
+
+def test_captions_come_from_the_runs_own_events(squeal):
+    _, _, page, sections = squeal
+    figures = {figure.title: figure for section in sections for figure in section.figures}
+    assert [len(figures[f"Fig. {k}."].run.sticks()) for k in (6, 7, 8, 9)] == [0, 1, 72, 64]
+    said = {title: figure.caption for title, figure in figures.items()}
+    assert "never stick: the least slip is 0.2023" in said["Fig. 6."]
+    assert "1 stick, after 1.6274 ms" in said["Fig. 7."]
+    assert "72 sticks, the first after 1.58461 ms" in said["Fig. 8."]
+    assert "143.318 Hz" in said["Fig. 8."] and "stuck for 65%" in said["Fig. 8."]
+    assert "64 sticks, the first after 57.2102 ms" in said["Fig. 9."]
+    assert "64 sticks" in said["This brake."]  # the report's own parameters are Fig. 9's
+    for caption in said.values():
+        assert " ".join(caption.split()) in " ".join(page.text.split())
+    assert page.text.count("finished") >= 10  # in captions and among the outcomes
+
+
+def test_json_and_csv_hold_the_results_numbers(squeal):
+    result, path, _, _ = squeal
+    data = json.loads((path.parent / "stability.json").read_text(encoding="utf-8"))
+    assert data == json.loads(json.dumps(result.to_json()))
+    table = columns(path.parent / "plots" / "locus-V0.csv")
+    locus = result.loci[0]
+    assert np.array(table["V0 [m/s]"], float) == pytest.approx(locus.values, rel=1e-9)
+    real = np.array([table[f"growth rate {k} [1/s]"] for k in range(1, 6)], float).T
+    assert real == pytest.approx(locus.eigenvalues.real, rel=1e-9)
+
+
+@pytest.mark.parametrize("name", models.LIBRARY)
+def test_any_model_has_a_report(name, tmp_path):
+    module = getattr(models, name)
+    result = assess(module.graph())
+    path = write_report(result, tmp_path / "deep" / "out", description=module.__doc__)
+    page = Page(path.read_text(encoding="utf-8"))
+    assert result.verdict.splitlines()[0] in page.text
+    assert len(page.ids) == len(set(page.ids))
+
+
+def test_whatever_comes_from_outside_is_escaped(tmp_path):
+    evil = "<script>alert('x')</script>&"
+    k = sympy.Symbol("k", positive=True)
+    v = One("v<i>")
+    spring = C("spring<b>", stiffness=k)
+    graph = assemble(
+        "evil<u>",
+        Se("F", 1) >> v >> (I("m", 2), spring, R("d", 1)),
+        parameters={k: (8.0, "N/m", evil, evil)},
+        outputs={"x<hr>": (spring.q, "m", evil)},
+    )
+    ax = new_axes()
+    ax.plot([0, 1], [1, 2], label=evil)
+    ax.set_xlabel(evil)
+    section = Section(
+        evil,
+        (
+            Text(evil),
+            Text(evil, "code"),
+            Table((evil,), ((evil,),), caption=evil),
+            Figure(evil, (Panel("plot", ax, evil),), evil),
+        ),
+    )
+    result = assess(graph, vary=["k=1:9:5"])
+    text = write_report(result, tmp_path, [section], evil).read_text(encoding="utf-8")
+    page = Page(text)
+    assert page.tags.isdisjoint({"script", "b", "i", "u", "hr"})
+    assert evil in page.text
+
+
+def test_names_of_plots_are_names_of_files(tmp_path):
+    result = assess(models.quarter_car.graph())
+    for name in ("../up", "a b"):
+        section = Section("s", (Figure("f", (Panel(name, new_axes(), "d"),)),))
+        with pytest.raises(BondGraphError, match="its name is that of files"):
+            write_report(result, tmp_path, [section])
+
+
+def test_a_folder_that_cannot_be_made_is_named(tmp_path):
+    (tmp_path / "file").write_text("")
+    with pytest.raises(BondGraphError, match="cannot write the report into"):
+        write_report(assess(models.quarter_car.graph()), tmp_path / "file" / "out")
+
+
+def test_numbers_are_short_and_exact():
+    assert [number(x) for x in (0.0, 1e-18, -2.96053e6, 0.05, 1234567.0)] == [
+        "0",
+        "1e-18",
+        "-2.96053e6",
+        "0.05",
+        "1.23457e6",
+    ]

@@ -1,0 +1,135 @@
+"""Plots: axes with units, the caller's own axes, curves that are what they say."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from bondgraph import plot, simulate, steady_state
+from bondgraph.errors import BondGraphError
+from bondgraph.models import bicycle_brake, mass_on_belt, quarter_car
+from bondgraph.stability import assess
+
+BRAKE = bicycle_brake.graph()
+BELT = mass_on_belt.graph()
+
+
+@pytest.fixture(scope="module")
+def belt_run():
+    return simulate(BELT, (0, 3), t_eval=np.linspace(0, 3, 3001))
+
+
+@pytest.fixture(scope="module")
+def locus():
+    return assess(BRAKE, {"v_s": 0.2}, vary=["V0=0.25:1.5:80"]).loci[0]
+
+
+def plots(run, locus):
+    yield plot.time_response(run, ["v", "slip"])
+    yield plot.phase_plane(run, [("x", "v")], since=2.0)
+    yield plot.application(run, "x")
+    yield plot.friction_curve(BELT, "contact", steady_state(BELT))
+    yield plot.root_locus(locus)
+    yield plot.growth_rates(locus)
+
+
+def test_every_axis_has_a_name_and_a_unit(belt_run, locus):
+    for ax in plots(belt_run, locus):
+        for label in (ax.get_xlabel(), ax.get_ylabel()):
+            assert re.fullmatch(r".+ \[\S+\]", label), label
+
+
+def test_the_callers_axes_are_used(belt_run, locus):
+    for draw in (
+        lambda ax: plot.time_response(belt_run, "v", ax=ax),
+        lambda ax: plot.phase_plane(belt_run, [("x", "v")], ax=ax),
+        lambda ax: plot.application(belt_run, "x", ax=ax),
+        lambda ax: plot.friction_curve(BELT, "contact", steady_state(BELT), ax=ax),
+        lambda ax: plot.root_locus(locus, ax=ax),
+        lambda ax: plot.growth_rates(locus, ax=ax),
+    ):
+        ax = plot.new_axes()
+        assert draw(ax) is ax and ax.lines
+
+
+def test_pyplot_is_not_loaded():
+    code = (
+        "import sys, bondgraph.plot as p; p.time_response; p.new_axes();"
+        "print('matplotlib.pyplot' in sys.modules)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True)
+    assert done.stdout.strip() == "False"
+
+
+def test_events_are_marked_where_they_happen(belt_run):
+    ax = plot.time_response(belt_run, "slip")
+    marks = {str(line.get_label()): line for line in ax.lines}
+    times = marks["_stick"].get_xdata()
+    assert times == pytest.approx([e.t for e in belt_run.events if e.to_mode == "stick"])
+    assert np.abs(marks["_stick"].get_ydata()).max() < 1e-3
+
+
+def test_a_phase_plane_tells_before_from_after(belt_run):
+    ax = plot.phase_plane(belt_run, [("x", "v")], since=2.0)
+    sizes = {str(line.get_label()): len(line.get_xdata()) for line in ax.lines}
+    assert sizes["v"] == 1001 and sizes["v, before"] == 2000
+
+
+def test_signals_of_two_units_do_not_share_an_axis(belt_run):
+    with pytest.raises(BondGraphError, match=r"v \[m/s\], x \[m\]; use further axes"):
+        plot.time_response(belt_run, ["v", "x"])
+    scaled = plot.signal(belt_run, "x").scaled(10.0, "m/s").named("10 x")
+    ax = plot.time_response(belt_run, ["v", scaled])
+    assert ax.get_ylabel() == "v, 10 x [m/s]"
+    assert ax.lines[-1].get_ydata() is not None
+
+
+def test_friction_curve_is_odd_and_upright_at_zero():
+    ax = plot.friction_curve(BELT, "contact", steady_state(BELT), span=1.0)
+    slip, force = ax.lines[0].get_data()
+    assert slip == pytest.approx(-slip[::-1]) and force == pytest.approx(-force[::-1])
+    upright = force[slip == 0]
+    assert upright.min() == pytest.approx(-4) and upright.max() == pytest.approx(4)
+    expected = 10 * (0.25 + 0.15 * np.exp(-np.abs(slip) / 0.1)) * np.sign(slip)
+    assert force[slip != 0] == pytest.approx(expected[slip != 0])
+
+
+def test_friction_curve_knows_what_modulates_the_contact():
+    ax = plot.friction_curve(BRAKE, "friction", steady_state(BRAKE, {"F_k": 450.0}))
+    assert max(ax.lines[0].get_ydata()) == pytest.approx(0.5 * 450 / 0.4)
+    assert (ax.get_xlabel(), ax.get_ylabel()) == ("slip [m/s]", "friction [N]")
+    with pytest.raises(BondGraphError, match="no Friction"):
+        plot.friction_curve(BRAKE, "rear.mass", steady_state(BRAKE))
+
+
+def test_application_marks_the_time_constant():
+    run = simulate(BRAKE, 0.6, {"mu_s": 0.42}, t_eval=np.linspace(0, 0.6, 6001))
+    ax = plot.application(run, "N")
+    dot = ax.lines[1]
+    assert dot.get_xdata()[0] == pytest.approx(30, abs=0.1)  # tau in ms
+    assert dot.get_ydata()[0] == pytest.approx(2250 * (1 - np.exp(-1)), rel=1e-2)
+
+
+def test_root_locus_marks_edge_and_operating_point(locus):
+    ax = plot.root_locus(locus)
+    diamonds = [line for line in ax.lines if line.get_marker() == "D"]
+    edge = [line for line in diamonds if line.get_markerfacecolor() != "white"]
+    assert [line.get_ydata()[0] for line in edge] == pytest.approx([locus.edges[0].frequency_hz])
+    (cross,) = [line for line in ax.lines if line.get_marker() == "x"]
+    assert max(cross.get_xdata()) == pytest.approx(48.397, abs=1)
+    assert any("Hopf: V0 = 1.012 m/s" in text.get_text() for text in ax.texts)
+
+
+def test_any_model_has_a_locus_plot():
+    result = assess(quarter_car.graph(), vary=["b_s=100:4000:60"])
+    ax = plot.growth_rates(result.loci[0])
+    assert ax.get_xlabel() == "b_s [N·s/m]" and len(ax.lines) >= 2
+
+
+def test_units_are_printed_with_powers():
+    assert plot.pretty("kg*m^2/s^3") == "kg·m²/s³"
+    assert plot.Signal(np.zeros(2), "ratio").label == "ratio [1]"
