@@ -211,9 +211,10 @@ def derive(graph: BondGraph | CausalGraph, stuck: Collection[str] = ()) -> Equat
     ['6 - 2*m.p']
     """
     causal = graph if isinstance(graph, CausalGraph) else assign_causality(graph)
-    unknown = [name for name in stuck if not isinstance(causal.graph.elements.get(name), Friction)]
+    open_contacts = {name for name, element in causal.graph.of(Friction) if element.smoothing is None}
+    unknown = [name for name in stuck if name not in open_contacts]
     if unknown:
-        raise BondGraphError(f"{', '.join(unknown)}: no Friction of graph {causal.graph.name!r}", elements=unknown)
+        raise BondGraphError(f"{', '.join(unknown)}: no Friction with modes of graph {causal.graph.name!r}", elements=unknown)
     if stuck:
         return _Derivation(causal, frozenset(stuck)).equations()
     return _with_hidden_constraints(causal)

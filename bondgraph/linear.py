@@ -205,10 +205,9 @@ def linearize_at(smooth: Smooth, point: SteadyState) -> LinearSystem:
     -------
     LinearSystem
     """
-    matrices = smooth.matrices(
+    a, b, c, d = smooth.matrices(
         list(point.states.values()), list(point.inputs.values()), smooth.vector(point.parameters)
     )
     names = tuple(symbol.name for symbol in point.equations.inputs)
-    return LinearSystem(
-        *matrices, tuple(point.states), names, tuple(point.equations.outputs), point
-    )
+    outputs = tuple(point.equations.outputs)
+    return LinearSystem(a, b, c, d, tuple(point.states), names, outputs, point)

@@ -77,9 +77,9 @@ def in_mode(graph: BondGraph, modes: Mapping[str, str]) -> BondGraph:
     changed: dict[str, Element] = {}
     for name, mode in modes.items():
         element = graph.elements.get(name)
-        if not isinstance(element, Friction):
+        if not isinstance(element, Friction) or element.smoothing is not None:
             known = ", ".join(contacts(graph)) or "none"
-            raise BondGraphError(f"{name!r} is no Friction of graph {graph.name!r}; it has {known}", elements=[name])
+            raise BondGraphError(f"{name!r} is no Friction with modes of graph {graph.name!r}; it has {known}", elements=[name])
         if mode not in CODES:
             raise BondGraphError(f"{name!r} has no mode {mode!r}; use {', '.join(CODES)}", elements=[name])
         changed[name] = _frozen_in(element, CODES[mode])

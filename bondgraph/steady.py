@@ -7,13 +7,15 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy
+import sympy
 
+from .elements import C, Storage
 from .equations import Equations, derive
 from .errors import SimulationError, SteadyStateError
 from .graph import BondGraph
-from .modes import SLIP_BACKWARD, SLIP_FORWARD, contacts, in_mode
+from .modes import CODES, SLIP_BACKWARD, SLIP_FORWARD, STICK, contacts, in_mode
 from .parameters import unknown_name
-from .smooth import Smooth
+from .smooth import ContactValues, Smooth
 from .values import initial_values, parameter_values
 
 MAX_ITERATIONS = 100
@@ -93,6 +95,7 @@ def steady_state(
     >>> round(point.outputs["slip"], 9), point.modes
     (0.9, {'friction': 'slip+'})
     """
+    _check_names(graph, guess)
     fixed = dict(modes or {})
     current = {**first_modes(graph, parameters, guess, fixed), **fixed}
     tried = set()
@@ -166,7 +169,10 @@ def first_modes(
     start: Mapping[Any, float] | None,
     fixed: Mapping[str, str],
 ) -> dict[str, str]:
-    """Return the direction in which each open contact slips at the start."""
+    """Return the mode of each open contact at the start: its direction, or stick where it rests.
+
+    A contact without slip stays stuck unless more than its breakaway pulls at it.
+    """
     names = [name for name in contacts(graph) if name not in fixed]
     if not names:
         return {}
@@ -174,15 +180,41 @@ def first_modes(
     values = parameter_values(equations, parameters)
     x = initial_values(equations, values, start)
     numbers = {state.name: value for state, value in zip(equations.states, x, strict=True)} | values
-    found = {}
-    for contact in equations.contacts:
-        if contact.name in names:
-            slip = equations.substituted(contact.slip)
-            value = slip.evalf(
-                17, subs={symbol: numbers.get(symbol.name, 0.0) for symbol in slip.free_symbols}
-            )
-            found[contact.name] = SLIP_BACKWARD if value < 0 else SLIP_FORWARD
+    slips = {
+        contact.name: _at(equations, contact.slip, numbers)
+        for contact in equations.contacts
+        if contact.name in names
+    }
+    found = {name: SLIP_BACKWARD if slip < 0 else SLIP_FORWARD for name, slip in slips.items()}
+    resting = [name for name, slip in slips.items() if slip == 0]
+    if resting:
+        numbers |= {f"{name}.direction": float(CODES[mode]) for name, mode in found.items()}
+        held = derive(graph, stuck=resting)
+        for contact in held.contacts:
+            if contact.name in resting:
+                effort = _at(held, contact.effort, numbers)
+                at_rest = ContactValues(0.0, effort, _at(held, contact.breakaway, numbers))
+                found[contact.name] = at_rest.better_mode(STICK) or STICK
     return found
+
+
+def _at(equations: Equations, expression: sympy.Expr, numbers: Mapping[str, float]) -> float:
+    """Evaluate an expression; inputs and what else has no value count as zero."""
+    expanded = equations.substituted(expression)
+    given = {symbol: numbers.get(symbol.name, 0.0) for symbol in expanded.free_symbols}
+    return float(expanded.evalf(17, subs=given))
+
+
+def _check_names(graph: BondGraph, guess: Mapping[Any, float] | None) -> None:
+    """Refuse a guess for what is a state in no mode, nor an output."""
+    known = [
+        *(f"{name}.{'q' if isinstance(element, C) else 'p'}" for name, element in graph.of(Storage)),
+        *graph.outputs,
+    ]
+    for key in guess or {}:
+        name = str(getattr(key, "name", key))
+        if name not in known:
+            raise unknown_name("state", name, known)
 
 
 def _named(equations: Equations, x: Any) -> dict[str, float]:

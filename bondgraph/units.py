@@ -23,7 +23,14 @@ def _registry() -> pint.UnitRegistry:
 
 
 @functools.lru_cache(maxsize=1024)
-def _parse(unit: str) -> Any:
+def parse_unit(unit: str) -> Any:
+    """Return pint's unit for a text; raise ParameterError where it is none.
+
+    Examples
+    --------
+    >>> str(parse_unit("N/mm"))
+    'newton / millimeter'
+    """
     import pint
 
     try:
@@ -65,7 +72,7 @@ def to_si(value: float, unit: str, expected: str | None = None) -> float:
         check_compatible(unit, expected)
     if not unit:
         return float(value)
-    return float(_registry().Quantity(float(value), _parse(unit)).to_base_units().magnitude)
+    return float(_registry().Quantity(float(value), parse_unit(unit)).to_base_units().magnitude)
 
 
 def from_si(value: float, unit: str) -> float:
@@ -78,7 +85,7 @@ def from_si(value: float, unit: str) -> float:
     """
     if not unit:
         return float(value)
-    target = _parse(unit)
+    target = parse_unit(unit)
     converted = float(_registry().Quantity(float(value), _base(target)).to(target).magnitude)
     tidy = float(f"{converted:.15g}")
     return tidy if math.isclose(tidy, converted, rel_tol=1e-14) else converted
@@ -97,7 +104,7 @@ def check_compatible(unit: str, expected: str) -> None:
     --------
     >>> check_compatible("mm", "m")
     """
-    given, wanted = _parse(unit), _parse(expected)
+    given, wanted = parse_unit(unit), parse_unit(expected)
     if given.dimensionality != wanted.dimensionality:
         raise ParameterError(f"unit '{unit or '1'}' does not measure what '{expected or '1'}' does")
     units = (given, wanted)

@@ -58,10 +58,27 @@ class Sketch:
         return (TWO_PORTS | ONE_PORTS)[kind](name, law)
 
     def renamed(self, names: dict[str, str]) -> Sketch:
+        """Return the same sketch under other names."""
         return Sketch(
             {names[name]: what for name, what in self.elements.items()},
             tuple((names[tail], names[head]) for tail, head in self.bonds),
         )
+
+    def valued(self, values: dict[str, Fraction]) -> Sketch:
+        """Return the same sketch with other values."""
+        elements = {
+            name: (kind, values.get(name, value)) for name, (kind, value) in self.elements.items()
+        }
+        return Sketch(elements, self.bonds)
+
+    @property
+    def residues(self) -> dict[str, int]:
+        """Values of the symbols of `graph`, modulo `PRIME`."""
+        return {
+            f"a_{name}": residue(value)
+            for name, (_, value) in self.elements.items()
+            if value is not None
+        }
 
 
 class Raw:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from fractions import Fraction
 
 from hypothesis import strategies as st
@@ -24,6 +25,7 @@ def sketches(
     ones: int = 3,
     chain: int = 2,
     sources: bool = True,
+    aligned: bool = False,
 ) -> Sketch:
     """Draw a graph that is well formed; whether it has a solution is left open.
 
@@ -34,15 +36,20 @@ def sketches(
         junction, and two-ports in a row.
     sources
         Whether to draw Se and Sf.
+    aligned
+        Whether arrows run through two-ports, so that in and out do not hang on the order written.
     """
-    return _Pencil(draw).sketch(junctions, loops, ones, chain, PASSIVE + ["Se", "Sf"] * sources)
+    return _Pencil(draw, aligned).sketch(
+        junctions, loops, ones, chain, PASSIVE + ["Se", "Sf"] * sources
+    )
 
 
 class _Pencil:
     """Draws element by element and bond by bond."""
 
-    def __init__(self, draw) -> None:
+    def __init__(self, draw, aligned: bool) -> None:
         self.draw = draw
+        self.aligned = aligned
         self.elements: dict[str, tuple[str, Fraction | None]] = {}
         self.bonds: list[tuple[str, str]] = []
 
@@ -75,5 +82,8 @@ class _Pencil:
         """Bond two elements, now and then through two-ports, with arrows either way."""
         kinds = self.draw(st.lists(st.sampled_from(["TF", "GY"]), max_size=chain))
         path = [first, *map(self.element, kinds), second]
-        for tail, head in zip(path, path[1:], strict=False):
-            self.bonds.append((head, tail) if self.draw(st.booleans()) else (tail, head))
+        backwards = self.draw(st.booleans())
+        for tail, head in itertools.pairwise(path):
+            self.bonds.append((head, tail) if backwards else (tail, head))
+            if not self.aligned:
+                backwards = self.draw(st.booleans())

@@ -506,7 +506,7 @@ class TestFriction:
 
     def test_only_friction_is_stuck(self):
         for name in ("m", "nothing"):
-            with pytest.raises(BondGraphError, match=f"{name}: no Friction of graph 'sled'"):
+            with pytest.raises(BondGraphError, match=f"{name}: no Friction with modes of graph 'sled'"):
                 derive(self.sled(), stuck=[name])
 
     def test_smooth_form_has_no_contact(self):

@@ -434,7 +434,7 @@ def rebuilt(expression):
     return expression.func(*map(rebuilt, expression.args)) if expression.args else expression
 
 
-@settings(max_examples=120, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=70, deadline=None, suppress_health_check=list(HealthCheck))
 @given(st.recursive(LEAVES, combined, max_leaves=6))
 def test_what_is_written_is_read_back(expression):
     assume(isinstance(expression, sympy.Expr))

@@ -330,7 +330,7 @@ def test_values_keep_their_type_unit_and_words():
     assert isinstance(rows[0].value, int) and type(rows[4].value) is float
 
 
-@settings(max_examples=25, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=15, deadline=None, suppress_health_check=list(HealthCheck))
 @given(sketches())
 def test_random_graphs_survive(sketch):
     graph = sketch.graph(symbolic=True)

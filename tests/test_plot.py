@@ -88,6 +88,18 @@ def test_signals_of_two_units_do_not_share_an_axis(belt_run):
     assert ax.lines[-1].get_ydata() is not None
 
 
+def test_overview_has_a_row_for_each_unit(belt_run, tmp_path):
+    figure = plot.overview(belt_run)
+    assert [ax.get_ylabel() for ax in figure.axes] == ["x [m]", "v, slip [m/s]"]
+    assert figure.axes[-1].get_xlabel() == "time [s]"
+    for ending in ("svg", "png", "pdf"):
+        assert plot.save(figure, tmp_path / f"run.{ending}").stat().st_size > 1000
+    with pytest.raises(BondGraphError, match="use the ending"):
+        plot.save(figure, tmp_path / "run.xyz")
+    with pytest.raises(BondGraphError, match="cannot write"):
+        plot.save(figure, tmp_path / "missing" / "run.svg")
+
+
 def test_friction_curve_is_odd_and_upright_at_zero():
     ax = plot.friction_curve(BELT, "contact", steady_state(BELT), span=1.0)
     slip, force = ax.lines[0].get_data()

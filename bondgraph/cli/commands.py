@@ -162,9 +162,9 @@ def _read_inputs(graph: BondGraph, words: tuple[str, ...]) -> dict[str, float | 
 
 
 def _plot(trajectory: Trajectory, path: Path) -> None:
-    from bondgraph.plot import save, time_response
+    from bondgraph.plot import overview, save
 
-    save(time_response(trajectory), path)
+    save(overview(trajectory), path)
 
 
 def _report_run(trajectory: Trajectory, as_json: bool, written: list[Path]) -> int:

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+import sympy
 from rich.console import Console
 from rich.table import Table
 
 from bondgraph.causality import CausalGraph
-from bondgraph.elements import OnePort, Storage
+from bondgraph.dimensions import si_unit
+from bondgraph.elements import Element, Storage
+from bondgraph.graph import BondGraph
 from bondgraph.parameters import resolve
 from bondgraph.simulation import Trajectory
 
@@ -45,7 +48,7 @@ def as_json_object(causal: CausalGraph) -> dict[str, Any]:
         "parameters": {
             symbol.name: {
                 "value": values.get(symbol.name),
-                "unit": row.unit,
+                "unit": si_unit(row.unit),
                 "meaning": row.meaning,
                 "source": row.source,
             }
@@ -65,8 +68,9 @@ def as_tables(causal: CausalGraph) -> None:
     graph, console = causal.graph, _console()
     console.print(f"[bold]{graph.name}[/bold]: {len(graph.elements)} elements, {len(graph.bonds)} bonds\n")
     elements = _table("Elements", "element", "kind", "law")
+    laws = _laws(graph)
     for name, element in graph.elements.items():
-        elements.add_row(name, element.kind, _law(element))
+        elements.add_row(name, element.kind, laws[name])
     console.print(elements)
     bonds = _table("\nBonds", "bond", "effort out of", "because")
     for stroke in causal.strokes:
@@ -84,24 +88,31 @@ def _print_parameters(console: Console, causal: CausalGraph) -> None:
     if not graph.parameters:
         return
     values = resolve(graph.parameters, partial=True)
-    table = _table("\nParameters", "name", "SI value", "given as", "meaning", "source")
+    table = _table("\nParameters", "name", "value", "SI unit", "given as", "meaning", "source")
     for symbol, row in graph.parameters.items():
         given = "" if row.value is None else f"{row.value} {row.unit}".strip()
         value = f"{values[symbol.name]:.9g}" if symbol.name in values else "to be given"
-        table.add_row(symbol.name, value, given, row.meaning, row.source)
+        table.add_row(symbol.name, value, si_unit(row.unit), given, row.meaning, row.source)
     console.print(table)
 
 
-def _law(element: Any) -> str:
-    """Write an element's law with plain variable names."""
-    plain = {symbol: type(symbol)(key) for key, symbol in element.symbols.items()}
+def _laws(graph: BondGraph) -> dict[str, str]:
+    """Write each element's law: its own variables by letter, those of others by qualified name."""
+    foreign = {
+        symbol: sympy.Symbol(f"{name}.{key}")
+        for name, element in graph.elements.items()
+        for key, symbol in element.symbols.items()
+    }
+    return {name: _law(element, foreign) for name, element in graph.elements.items()}
+
+
+def _law(element: Element, foreign: dict[sympy.Basic, sympy.Basic]) -> str:
+    plain = foreign | {symbol: sympy.Symbol(key) for key, symbol in element.symbols.items()}
+    shown = {key: law.xreplace(plain) for key, law in element.laws.items()}
     if isinstance(element, Storage):
-        return f"{'e' if element.kind == 'C' else 'f'} = {element.law.xreplace(plain)}"
-    if isinstance(element, OnePort):
-        shown = [(key, law.xreplace(plain)) for key, law in element.laws.items() if key in ("effort", "flow", "kinetic")]
-        names = {"effort": "e", "flow": "f", "kinetic": "abs(e)"}
-        return "; ".join(f"{names[key]} = {law}" for key, law in shown[:1])
-    return f"ratio {element.ratio}" if hasattr(element, "ratio") else ""
+        return f"{'e' if element.kind == 'C' else 'f'} = {shown['law']}"
+    names = {"effort": "e", "flow": "f", "kinetic": "abs(e)", "ratio": "ratio"}
+    return next((f"{names[key]} = {law}" for key, law in shown.items() if key in names), "")
 
 
 def run_json(trajectory: Trajectory) -> dict[str, Any]:

@@ -130,11 +130,11 @@ def dimension(unit: str) -> Form:
     >>> dimension("N/mm") == form(kg=1, s=-2)
     True
     """
-    from ..units import _parse  # pint, only once a unit is looked at
+    from ..units import parse_unit  # pint, only once a unit is looked at
 
     return {
         BASE.get(base, base): Fraction(power).limit_denominator(64)
-        for base, power in _parse(unit).dimensionality.items()
+        for base, power in parse_unit(unit).dimensionality.items()
     }
 
 

@@ -1,6 +1,7 @@
 """Drawings of bond graphs: own layout, own SVG."""
 
-from .layout import Drawing, layout
+from .layout import layout
+from .pieces import Drawing
 from .svg import to_svg
 
 __all__ = ["Drawing", "layout", "to_svg"]

@@ -12,7 +12,8 @@ from ..causality import CausalGraph
 from ..elements import Element
 from ..graph import BondGraph
 from .geometry import Point, length, text_width, towards
-from .layout import CAPTION, LABEL, Drawing, Line, Node, layout
+from .layout import layout
+from .pieces import CAPTION, LABEL, Drawing, Line, Node
 
 FONT = "STIX Two Text, STIXGeneral, Times New Roman, Times, serif"
 INK, MARK = "#000000", "#b3261e"

@@ -11,8 +11,8 @@ Okabe, Ito, Color universal design, 2008 (the palette).
 
 from .laws import friction_curve
 from .loci import growth_rates, root_locus
-from .motion import application, phase_plane, time_response
-from .style import PALETTE, Signal, new_axes, pretty, signal
+from .motion import application, overview, phase_plane, time_response
+from .style import PALETTE, Signal, new_axes, pretty, save, signal
 
 __all__ = [
     "PALETTE",
@@ -21,9 +21,11 @@ __all__ = [
     "friction_curve",
     "growth_rates",
     "new_axes",
+    "overview",
     "phase_plane",
     "pretty",
     "root_locus",
+    "save",
     "signal",
     "time_response",
 ]

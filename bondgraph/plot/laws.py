@@ -66,7 +66,9 @@ def friction_curve(
     """
     contact = graph[element]
     if not isinstance(contact, Friction):
-        raise BondGraphError(f"{element!r} is no Friction of graph {graph.name!r}", [element])
+        raise BondGraphError(
+            f"{element!r} is no Friction of graph {graph.name!r}", elements=[element]
+        )
     kinetic, breakaway, slip = _friction_numbers(graph, element, contact, point)
     reach = span or 1.5 * abs(slip) or 1.0
     speeds = numpy.concatenate([[0.0], numpy.geomspace(1e-3, 1.0, 300) * reach])

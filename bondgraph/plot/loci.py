@@ -52,6 +52,8 @@ def root_locus(locus: Locus, *, ax: Axes | None = None) -> Axes:
     bar = ax.figure.colorbar(lines, ax=ax, pad=0.02)
     bar.set_label(f"{locus.name} [{pretty(locus.unit or '1')}]", color=INK)
     bar.outline.set_visible(False)
+    if bar.solids is not None:
+        bar.solids.set(rasterized=False, edgecolor="face")
     _mark_locus(ax, locus)
     _shade_unstable(ax, low, high)
     ax.set_xlabel("growth rate [1/s]")

@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING, Any
 import numpy
 
 from ..errors import BondGraphError
-from .style import PALETTE, Signal, dressed, legend, line, pretty, signal
+from .style import PALETTE, SIZE, Signal, dressed, legend, line, pretty, signal
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
     from ..simulation import Trajectory
 
@@ -63,6 +64,42 @@ def time_response(
     ax.margins(x=0.01)
     legend(ax)
     return ax
+
+
+def overview(trajectory: Trajectory, names: Iterable[str] | None = None) -> Figure:
+    """Plot signals over time in one figure, one row of axes for each unit.
+
+    Parameters
+    ----------
+    trajectory : Trajectory
+    names : iterable of str, optional
+        Outputs unless given; states where the model has none.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+
+    Examples
+    --------
+    >>> from bondgraph import simulate
+    >>> from bondgraph.models import mass_on_belt
+    >>> figure = overview(simulate(mass_on_belt.graph(), 1.0))
+    >>> [ax.get_ylabel() for ax in figure.axes]
+    ['x [m]', 'v, slip [m/s]']
+    """
+    from matplotlib.figure import Figure
+
+    outputs = trajectory.model.equations.outputs
+    rows: dict[str, list[str]] = {}
+    for name in (outputs or trajectory.states) if names is None else names:
+        rows.setdefault(trajectory.unit(name), []).append(name)
+    count = max(len(rows), 1)
+    figure = Figure(figsize=(SIZE[0] * 1.6, 0.6 * SIZE[1] * count + 0.6), layout="constrained")
+    grid = figure.subplots(count, 1, sharex=True, squeeze=False)
+    for ax, group in zip(grid[:, 0], rows.values(), strict=False):
+        time_response(trajectory, group, ax=ax)
+        ax.label_outer()
+    return figure
 
 
 def phase_plane(

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy
 
+from ..errors import BondGraphError
 from ..units import from_si
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
     from ..simulation import Trajectory
 
@@ -18,6 +21,7 @@ PALETTE = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
 STYLES = ("-", "--", "-.", ":")
 INK, GRID, SHADE = "#2b2f36", "#d9dce1", "#fbe9e2"
 SIZE = (5.0, 3.5)
+FORMATS = (".svg", ".png", ".pdf")
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,6 +101,51 @@ def new_axes(size: tuple[float, float] = SIZE) -> Axes:
     from matplotlib.figure import Figure
 
     return Figure(figsize=size, layout="constrained").subplots()
+
+
+def figure_of(ax: Axes) -> Figure:
+    """Return the whole figure that some axes belong to."""
+    return ax.get_figure(root=True)  # type: ignore[return-value]
+
+
+def save(plot: Axes | Figure, path: str | Path) -> Path:
+    """Write a plot to a file; the ending chooses the format.
+
+    Parameters
+    ----------
+    plot : Axes or Figure
+    path : str or Path
+        Ending in ``.svg``, ``.png`` or ``.pdf``.
+
+    Returns
+    -------
+    Path
+
+    Raises
+    ------
+    BondGraphError
+        For another ending, or where the file cannot be written.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     save(new_axes(), f"{folder}/empty.png").name
+    'empty.png'
+    """
+    from matplotlib.axes import Axes
+
+    path = Path(path)
+    if path.suffix not in FORMATS:
+        raise BondGraphError(
+            f"cannot write {path.name!r}: use the ending {', '.join(FORMATS[:-1])} or {FORMATS[-1]}"
+        )
+    figure = figure_of(plot) if isinstance(plot, Axes) else plot
+    try:
+        figure.savefig(path, dpi=160)
+    except OSError as error:
+        raise BondGraphError(f"cannot write {path}: {error.strerror or error}") from None
+    return path
 
 
 def dressed(ax: Axes | None) -> Axes:

@@ -97,7 +97,11 @@ class Panel:
             return dict(self.numbers)
         across, upwards = self.ax.get_xlabel(), self.ax.get_ylabel()
         curves = [
-            (str(line.get_label()), *(numpy.asarray(part) for part in line.get_data()))
+            (
+                str(line.get_label()),
+                numpy.asarray(line.get_xdata()),
+                numpy.asarray(line.get_ydata()),
+            )
             for line in self.ax.lines
             if not str(line.get_label()).startswith("_")
         ]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from html import escape
 from typing import Any
 
 import sympy
@@ -23,18 +23,17 @@ class _Printer(MathMLPresentationPrinter):
     """Writes ``rear.mass.p`` as p with the element below, and names of ports upright."""
 
     def _print_Symbol(self, sym: sympy.Symbol, style: str = "plain") -> Any:
-        element, dot, port = sym.name.rpartition(".")
+        # sympy writes texts as they are, so they are escaped here
+        element, dot, port = (escape(part) for part in sym.name.rpartition("."))
+        node = super()._print_Symbol(sympy.Symbol(port), style)
         if not dot:
-            return super()._print_Symbol(sym, style)
-        node = self.dom.createElement("msub")
-        node.appendChild(super()._print_Symbol(sympy.Symbol(port), style))
-        node.appendChild(self._word("mtext", element))
-        return node
-
-    def _word(self, tag: str, text: str) -> Any:
-        node = self.dom.createElement(tag)
-        node.appendChild(self.dom.createTextNode(text))
-        return node
+            return node
+        whole = self.dom.createElement("msub")
+        whole.appendChild(node)
+        below = self.dom.createElement("mtext")
+        below.appendChild(self.dom.createTextNode(element))
+        whole.appendChild(below)
+        return whole
 
     _print_Dummy = _print_Symbol
 
@@ -120,8 +119,3 @@ def state_equations(equations: Equations) -> list[str]:
     ]
     lines += [equation("<mn>0</mn>", item.xreplace(known)) for item in equations.residuals]
     return lines
-
-
-def definitions(table: Mapping[sympy.Symbol, sympy.Expr] | Iterable[Any]) -> list[str]:
-    """Return ``symbol = expression`` as displayed formulas."""
-    return [equation(formula(symbol), value) for symbol, value in dict(table).items()]

@@ -4,12 +4,18 @@ from __future__ import annotations
 
 import io
 import re
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
+
+from ..plot.style import figure_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-_SETTINGS = {"svg.fonttype": "none", "svg.hashsalt": "halfarrow", "path.simplify_threshold": 0.2}
+_SETTINGS: Any = {
+    "svg.fonttype": "none",
+    "svg.hashsalt": "halfarrow",
+    "path.simplify_threshold": 0.2,
+}
 _NOTHING = dict.fromkeys(("Date", "Creator", "Format", "Type"))
 _PREAMBLE = re.compile(r"<\?xml.*?\?>|<!DOCTYPE.*?>|<!--.*?-->|<metadata>.*?</metadata>", re.DOTALL)
 _FONT = re.compile(r"font(-family)?:( ?[\d.]+px)? '[^;\"]*sans-serif")
@@ -31,7 +37,7 @@ def standalone(ax: Axes) -> str:
 
     buffer = io.StringIO()
     with matplotlib.rc_context(_SETTINGS):
-        ax.figure.savefig(buffer, format="svg", metadata=_NOTHING, transparent=True)
+        figure_of(ax).savefig(buffer, format="svg", metadata=_NOTHING, transparent=True)
     text = _PREAMBLE.sub("", buffer.getvalue()).strip()
     return '<?xml version="1.0" encoding="utf-8"?>\n' + text + "\n"
 

@@ -11,10 +11,11 @@ from pathlib import Path
 from ..causality import assign_causality
 from ..errors import BondGraphError
 from ..stability import StabilityResult
-from . import contents
+from . import contents, spectrum
 from .blocks import Panel, Section
 from .page import render
 from .svg import standalone
+from .words import slug
 
 
 def write_report(
@@ -97,13 +98,14 @@ def _chapters(result: StabilityResult, own: list[Section], description: str) -> 
     """Gather all sections in order."""
     causal = assign_causality(result.graph)
     figures = [figure for section in own for figure in section.figures]
-    chapters = [
+    chapters: list[Section | None] = [
         contents.model_section(result, causal, description),
         contents.parameter_section(result),
         contents.point_section(result),
-        contents.eigenvalue_section(result),
-        contents.locus_section(result.loci),
-        *(own or [contents.friction_section(result)]),
+        spectrum.eigenvalue_section(result),
+        spectrum.locus_section(result.loci),
+        *own,
+        None if own else spectrum.friction_section(result),
         contents.equation_section(result),
         contents.causality_section(causal),
         contents.assumption_section(result),
@@ -115,7 +117,7 @@ def _chapters(result: StabilityResult, own: list[Section], description: str) -> 
 def _check_names(panels: list[Panel]) -> None:
     names = [panel.name for panel in panels]
     for name in names:
-        if contents.slug(name) != name or names.count(name) > 1:
+        if slug(name) != name or names.count(name) > 1:
             raise BondGraphError(
                 f"plot {name!r}: its name is that of files; use letters, digits, '-' and '_', once"
             )

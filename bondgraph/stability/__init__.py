@@ -7,8 +7,9 @@ result in words.
 
 from .assess import StabilityResult, assess
 from .edges import Edge
-from .locus import Gap, Locus, Vary, trace
+from .locus import Gap, Locus, trace
 from .modal import Mode, modal_table
+from .vary import Vary
 from .verdict import verdict
 
 __all__ = [

@@ -11,8 +11,9 @@ from ..linear import LinearSystem, linearize_at
 from ..smooth import Smooth
 from ..steady import SteadyState, steady_state
 from .edges import Edge
-from .locus import Locus, Vary, as_vary, trace
+from .locus import Locus, trace
 from .modal import Mode, modal_table
+from .vary import Vary, as_vary
 from .verdict import critical, is_stable, verdict
 
 SCHEMA = 1

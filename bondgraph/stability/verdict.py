@@ -12,6 +12,8 @@ from .modal import Mode
 
 # Contributions below this share of the largest are left out of the sentence.
 WORTH_SAYING = 0.02
+# Above this ratio a distance is told as a factor.
+FAR = 3.0
 
 
 def verdict(system: LinearSystem, modes: Sequence[Mode], loci: Iterable[Locus] = ()) -> str:
@@ -177,6 +179,8 @@ def _distance(value: float, here: float) -> str:
     side = "above" if value > here else "below"
     if not here:
         return f"{abs(value - here):.3g} {side} the operating point"
+    if value / here > FAR:
+        return f"{value / here:.3g} times the operating point's {here:.4g}"
     return f"{abs(value - here) / abs(here):.1%} {side} the operating point's {here:.4g}"
 
 

@@ -18,11 +18,11 @@ from typing import Any
 
 import numpy
 
-from bondgraph import Trajectory, simulate, steady_state
 from bondgraph.graph import BondGraph
 from bondgraph.plot import Signal, application, friction_curve, phase_plane, signal, time_response
 from bondgraph.report import Figure, Panel, Section, Text
-from bondgraph.simulation import CompiledModel
+from bondgraph.simulation import CompiledModel, Trajectory, simulate
+from bondgraph.steady import steady_state
 
 UNTIL = 0.5
 SAMPLES = 10_001

@@ -90,6 +90,6 @@ def test_unknown_functions_are_refused_by_name():
 
 
 def test_c_code_can_be_generated():
-    function = compiled(*CASES)
-    assert isinstance(function, casadi.Function)
-    assert "casadi_real" in casadi.CodeGenerator("code").dump() or function.n_instructions() > 0
+    generator = casadi.CodeGenerator("code.c")
+    generator.add(compiled(*CASES))
+    assert "sin(" in generator.dump()

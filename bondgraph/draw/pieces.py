@@ -1,0 +1,192 @@
+"""What a drawing is made of: nodes with their labels, lines, and pieces that are laid out together."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Sequence
+from dataclasses import dataclass, replace
+
+from ..elements import Element, Friction, Junction, TwoPort
+from .geometry import Box, Point, centred, leaving, samples, text_width, towards
+from .plan import DOWN, LEFT, RIGHT, UP
+
+LABEL, CAPTION = 17.0, 12.0  # font sizes
+CLEAR = 6.0  # between a bond's end and a label
+REACH = 9.0  # how far a half arrow or stroke stands off its bond
+STEP = {UP: (0, -1), DOWN: (0, 1), LEFT: (-1, 0), RIGHT: (1, 0)}
+
+
+@dataclass(frozen=True)
+class Node:
+    """An element in the drawing.
+
+    Attributes
+    ----------
+    name : str
+        Qualified name.
+    label : str
+        ``I : mass`` for a one-port; ``0``, ``1``, ``TF`` or ``GY``.
+    at : (float, float)
+        Centre of the label.
+    box : Box
+        About the label.
+    caption : Box or None
+        About the name, which junctions and two-ports have beside them.
+    side : str
+        Side of its neighbour that a one-port stands on; empty for others.
+    clear : float
+        Space left between the label and the bonds' ends.
+    """
+
+    name: str
+    label: str
+    at: Point
+    box: Box
+    caption: Box | None = None
+    side: str = ""
+    clear: float = CLEAR
+
+    def moved(self, dx: float, dy: float) -> Node:
+        """Return the node shifted."""
+        caption = None if self.caption is None else self.caption.moved(dx, dy)
+        at = (self.at[0] + dx, self.at[1] + dy)
+        return replace(self, at=at, box=self.box.moved(dx, dy), caption=caption)
+
+    @property
+    def anchor(self) -> Point:
+        """Where a bond aims at: the centre, or the near edge of a one-port."""
+        if not self.side:
+            return self.at
+        dx, dy = STEP[self.side]
+        half = ((self.box.x1 - self.box.x0) / 2, (self.box.y1 - self.box.y0) / 2)
+        return self.at[0] - dx * half[0], self.at[1] - dy * half[1]
+
+    @property
+    def boxes(self) -> list[Box]:
+        """Label and caption."""
+        return [self.box] if self.caption is None else [self.box, self.caption]
+
+
+@dataclass(frozen=True)
+class Line:
+    """A bond or signal in the drawing.
+
+    Attributes
+    ----------
+    name : str
+        The bond's name; for a signal ``source.variable>target``.
+    points : tuple of (float, float)
+        From tail to head.
+    """
+
+    name: str
+    points: tuple[Point, ...]
+
+
+@dataclass(frozen=True)
+class Drawing:
+    """A graph with a place for everything.
+
+    Attributes
+    ----------
+    nodes : dict of str to Node
+    bonds : tuple of Line
+        In the order of the graph's bonds.
+    signals : tuple of Line
+    frame : Box
+        About everything.
+    """
+
+    nodes: dict[str, Node]
+    bonds: tuple[Line, ...]
+    signals: tuple[Line, ...]
+    frame: Box
+
+
+class Piece:
+    """Nodes and bonds laid out together, and the boxes that others must keep clear of."""
+
+    def __init__(self) -> None:
+        self.nodes: dict[str, Node] = {}
+        self.bonds: dict[int, tuple[str, str]] = {}
+        self.solid: list[Box] = []
+
+    def move(self, dx: float, dy: float) -> None:
+        """Shift everything."""
+        self.nodes = {name: node.moved(dx, dy) for name, node in self.nodes.items()}
+        self.solid = [box.moved(dx, dy) for box in self.solid]
+
+    def take(self, other: Piece) -> None:
+        """Take in another piece where it stands."""
+        self.nodes |= other.nodes
+        self.bonds |= other.bonds
+        self.solid += other.solid
+
+    def join(self, index: int, first: str, second: str) -> None:
+        """Bond two nodes, and keep the bond clear."""
+        self.bonds[index] = (first, second)
+        ends = ends_of(self.nodes[first], self.nodes[second])
+        self.solid += [centred(2 * REACH, 2 * REACH, point) for point in samples(ends, 2 * REACH)]
+
+    def hits(self, boxes: Iterable[Box]) -> bool:
+        """Whether any box stands on this piece."""
+        return any(box.overlaps(other) for box in boxes for other in self.solid)
+
+
+def ends_of(first: Node, second: Node) -> tuple[Point, Point]:
+    """Return the visible ends of a straight bond between two nodes."""
+    return _end_at(first, second.anchor), _end_at(second, first.anchor)
+
+
+def _end_at(node: Node, far: Point) -> Point:
+    if node.side:
+        return towards(node.anchor, far, node.clear)
+    return leaving(node.box.grown(node.clear), node.at, far)
+
+
+def captioned(node: Node, crossed: Sequence[Box], busy: Collection[str] = ()) -> Node:
+    """Put a junction's or two-port's name where nothing stands.
+
+    Parameters
+    ----------
+    node : Node
+    crossed : sequence of Box
+        What the name must not stand on.
+    busy : collection of str
+        Sides that bonds leave from.
+
+    Returns
+    -------
+    Node
+        Where no place is free, the name covers as little as possible.
+    """
+    width, height = text_width(node.name, CAPTION), CAPTION + 2
+    across, tall = (node.box.x1 - node.box.x0) / 2, (node.box.y1 - node.box.y0) / 2
+    off, beside = tall + 5 + height / 2, across + 6 + width / 2
+    spots = [(0.0, sign * off) for sign, side in ((-1, UP), (1, DOWN)) if side not in busy]
+    spots += [(sign * beside, rise) for rise in (-off, off) for sign in (1, -1)]
+    spots += [(sign * beside, rise * 1.7) for rise in (-off, off) for sign in (1, -1)]
+    spots += [(sign * (beside + 14), rise) for rise in (-off, off) for sign in (1, -1)]
+    for far in range(1, 8):
+        spots += [(0.0, sign * (off + 9 * far)) for sign in (-1, 1)]
+        spots += [
+            (sx * (beside + 6 * far), sy * (off + 7 * far)) for sy in (-1, 1) for sx in (1, -1)
+        ]
+    boxes = [centred(width, height, (node.at[0] + x, node.at[1] + y)) for x, y in spots]
+    covers = [sum(box.overlaps(other) for other in crossed) for box in boxes]
+    return replace(node, caption=boxes[covers.index(min(covers))])
+
+
+def label_of(name: str, element: Element, modulated: bool) -> str:
+    """Write an element's label, with M for a modulated one.
+
+    Examples
+    --------
+    >>> from bondgraph import One, R
+    >>> label_of("rear.damping", R("damping", 1), False), label_of("v", One("v"), False)
+    ('R : rear.damping', '1')
+    """
+    if isinstance(element, Junction):
+        return element.kind
+    kind = "R" if isinstance(element, Friction) else element.kind
+    kind = f"M{kind}" if modulated else kind
+    return kind if isinstance(element, TwoPort) else f"{kind} : {name}"

@@ -1,0 +1,178 @@
+"""Eigenvalues in the report: the modal table, the loci with their edges, friction."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy
+
+from ..elements import Friction
+from ..plot import friction_curve, growth_rates, pretty, root_locus
+from ..stability import Edge, Locus, Mode, StabilityResult
+from ..stability.verdict import duration
+from ..units import from_si
+from .blocks import Figure, Panel, Section, Table, Text
+from .words import coherent, number, slug
+
+CARRIERS = 3
+
+
+def eigenvalue_section(result: StabilityResult) -> Section:
+    """List the modes and what carries, feeds and drains them."""
+    rows = tuple(_mode_row(mode) for mode in result.rows if mode.eigenvalue.imag >= 0)
+    head = (
+        "eigenvalue [1/s]",
+        "frequency [Hz]",
+        "damping ratio",
+        "stable?",
+        "time constant",
+        "dominated by",
+        "fed and drained by [1/s]",
+    )
+    states = result.system.states
+    matrix = tuple(
+        (name, *(number(value) for value in row))
+        for name, row in zip(states, result.system.A, strict=True)
+    )
+    return Section(
+        "Eigenvalues",
+        (
+            Table(head, rows, "rrrlrll"),
+            Text(
+                "Time constant: in which the amplitude changes by a factor e. Dominated by: "
+                "participation factors, summed over the states of each element. Fed and drained: "
+                "what each dissipator or source adds to the growth rate, its power in the mode "
+                "over twice the mode's energy; the sum is the real part.",
+                "note",
+            ),
+            Text("State matrix: the rate of each row's state for a change of each column's state."),
+            Table(
+                ("A [SI]", *states),
+                matrix,
+                "c" + "r" * len(states),
+                labelled=True,
+            ),
+        ),
+    )
+
+
+def _mode_row(mode: Mode) -> tuple[str, ...]:
+    value = mode.eigenvalue
+    pair = f" ± {number(abs(value.imag), 7)}j" if value.imag else ""
+    ratio = mode.damping_ratio
+    return (
+        f"{number(value.real, 7)}{pair}",
+        number(mode.frequency_hz),
+        "" if ratio is None else number(ratio, 4),
+        {1: "unstable", -1: "stable", 0: "neither"}[mode.growth],
+        duration(mode.time_constant) if mode.growth else "",
+        _shares(mode),
+        _feeds(mode),
+    )
+
+
+def _shares(mode: Mode) -> str:
+    told = [f"{name} {mode.carriers[name]:.0%}" for name in mode.elements[:CARRIERS]]
+    more = len(mode.elements) - CARRIERS
+    return ", ".join([*told, *([f"{more} more"] if more > 0 else [])])
+
+
+def _feeds(mode: Mode) -> str:
+    largest = max(map(abs, mode.telling.values()), default=0.0)
+    told = sorted(mode.telling.items(), key=lambda item: -abs(item[1]))
+    shown = [f"{name} {rate:+.4g}" for name, rate in told if abs(rate) > 1e-3 * largest]
+    return ", ".join(shown[: 2 * CARRIERS])
+
+
+def locus_section(loci: Sequence[Locus]) -> Section | None:
+    """Show the eigenvalues along each varied parameter, with their edges."""
+    if not loci:
+        return None
+    blocks: list[object] = []
+    for locus in loci:
+        blocks.append(_locus_figure(locus))
+        if locus.crossings:
+            blocks.append(_crossings(locus))
+        else:
+            blocks.append(Text(f"No mode changes its stability along {locus.name}."))
+    return Section("How far the edge is", tuple(blocks))
+
+
+def _locus_figure(locus: Locus) -> Figure:
+    numbers = _locus_numbers(locus)
+    where = f"from {_shown(locus.values[0], locus)} to {_shown(locus.values[-1], locus)}"
+    return Figure(
+        f"Eigenvalues along {locus.name}.",
+        (
+            Panel(
+                f"locus-{slug(locus.name)}",
+                root_locus(locus),
+                f"Root locus over {locus.name} {where}",
+                numbers,
+            ),
+            Panel(
+                f"growth-{slug(locus.name)}",
+                growth_rates(locus),
+                f"Growth rate of each mode over {locus.name} {where}",
+                numbers,
+            ),
+        ),
+        f"{len(locus.values)} points {where}. Left of zero a mode decays, in the shaded part it "
+        f"grows. Crosses: operating point, {locus.name} = {_shown(locus.at, locus)}. Full "
+        f"diamonds: edge of stability; hollow: a further mode changes while another one grows "
+        f"already. Curves may run on beyond the frame.",
+    )
+
+
+def _locus_numbers(locus: Locus) -> dict[str, numpy.ndarray]:
+    columns = {f"{locus.name} [{coherent(locus.unit)}]": locus.values}
+    for index, column in enumerate(locus.eigenvalues.T, start=1):
+        columns[f"growth rate {index} [1/s]"] = column.real
+        columns[f"frequency {index} [Hz]"] = column.imag / (2 * numpy.pi)
+    return columns
+
+
+def _crossings(locus: Locus) -> Table:
+    rows = tuple(_crossing(edge, locus) for edge in locus.crossings)
+    head = (locus.name, "unit", "kind", "frequency [Hz]", "growing side", "meaning", "dominated by")
+    return Table(head, rows, "rllrlll")
+
+
+def _crossing(edge: Edge, locus: Locus) -> tuple[str, ...]:
+    side = {True: "above", False: "below", None: "the branch ends"}[edge.unstable_above]
+    return (
+        number(from_si(edge.value, locus.unit), 8),
+        pretty(locus.unit or "1"),
+        "Hopf" if edge.kind == "hopf" else "fold",
+        number(edge.frequency_hz, 8),
+        side,
+        "edge of stability" if edge.boundary else "a further mode",
+        _shares(edge.mode),
+    )
+
+
+def _shown(value: float, locus: Locus) -> str:
+    return f"{number(from_si(float(value), locus.unit))}{' ' + pretty(locus.unit) if locus.unit else ''}"
+
+
+def friction_section(result: StabilityResult) -> Section | None:
+    """Show the law of each contact at the operating point."""
+    names = [name for name, item in result.graph.of(Friction) if item.smoothing is None]
+    if not names:
+        return None
+    figures = tuple(
+        Figure(
+            f"{name}.",
+            (
+                Panel(
+                    f"friction-{slug(name)}",
+                    friction_curve(result.graph, name, result.point),
+                    f"Friction of {name} over its slip",
+                ),
+            ),
+            "Friction over slip with the parameters of this report. At zero slip it takes any "
+            "value between the two limits.",
+        )
+        for name in names
+    )
+    return Section("Friction", figures)
