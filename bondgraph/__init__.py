@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from .elements import GY, TF, C, Friction, I, One, R, Se, Sf, Zero
     from .equations import Equations, derive
     from .errors import BondGraphError
+    from .files import load, save
     from .graph import TIME, BondGraph, Output, assemble
     from .linear import LinearSystem, SteadyState, linearize, steady_state
     from .modes import in_mode, smoothed
@@ -48,6 +49,8 @@ _HOME = {
     "derive": "equations",
     "in_mode": "modes",
     "linearize": "linear",
+    "load": "files",
+    "save": "files",
     "simulate": "simulation",
     "smoothed": "modes",
     "steady_state": "linear",

@@ -46,7 +46,7 @@ class AlgebraicLoop:
     @property
     def kind(self) -> str:
         """What closes the loop: dependent rates, or an algebraic relation alone."""
-        rates = any(name.startswith("der(") for name in self.variables)
+        rates = any(name.startswith(("der(", "rate(")) for name in self.variables)
         return "loop of dependent rates" if rates else "algebraic loop"
 
 

@@ -21,6 +21,7 @@ from .laws import exact, regularised
 
 EFFORT = "effort"
 FLOW = "flow"
+LARGEST_EXPANSION = 4  # of a power of a sum, when a law is integrated
 
 
 def _check_name(kind: str, name: Any) -> None:
@@ -605,7 +606,13 @@ def _inverse(law: sympy.Expr | None, argument: sympy.Symbol, value: sympy.Symbol
 
 
 def _potential(law: sympy.Expr, state: sympy.Symbol) -> sympy.Expr | None:
-    """Integrate a polynomial law over the state; None for other laws."""
-    if not law.is_polynomial(state):
+    """Integrate a polynomial law over the state; None for other laws, and where it would swell."""
+    powers = [power for power in law.atoms(sympy.Pow) if state in power.base.free_symbols]
+    swells = any(power.base != state and not _is_small(power.exp) for power in powers)
+    if swells or not law.is_polynomial(state):
         return None
     return sympy.integrate(law, (state, 0, state))
+
+
+def _is_small(exponent: sympy.Expr) -> bool:
+    return bool(exponent.is_Integer and exponent <= LARGEST_EXPANSION)

@@ -17,7 +17,7 @@ import sympy
 
 from .blocks import AlgebraicLoop, SingularLoopError, expansion, order_and_solve
 from .causality import CausalGraph, assign_causality
-from .elements import GY, TF, C, Friction, I, One, R, Se, Sf, Storage, TwoPort, Zero
+from .elements import GY, TF, C, Element, Friction, I, One, R, Se, Sf, Storage, TwoPort, Zero
 from .errors import BondGraphError, CausalConflictError, LawError
 from .graph import TIME, BondGraph
 from .rates import Rates
@@ -313,12 +313,15 @@ class _Derivation:
             index: stroke.effort_out_of for index, stroke in enumerate(causal.strokes)
         }
         self.names = self._port_variables()
+        self.answers = {self._conjugate(self.graph.elements[name]) for name in causal.derivative}
+        self.signals: dict[sympy.Symbol, sympy.Symbol] = {}
 
     def equations(self) -> Equations:
         """Write all equations, order them, and check that nothing is left over."""
         for name, element in self.graph.elements.items():
-            self._write(name, element)
-        rates = Rates(self.explicit, self.implicit, self.states, self.graph.inputs)
+            self._write(name, self._listening(element))
+        self.explicit |= self.signals
+        rates = Rates(self.explicit, self.implicit, self.states, self.graph.inputs, self.answers, self.signals)
         self._dependent_storages(rates)
         self._stuck_contacts(rates)
         rates.finish()
@@ -393,6 +396,21 @@ class _Derivation:
     def _local(self, expression: sympy.Expr) -> sympy.Expr:
         return expression.xreplace(self.names)
 
+    def _conjugate(self, storage: Storage) -> sympy.Symbol:
+        """Return the variable that is the rate of a storage's state."""
+        return self.names[storage.f if isinstance(storage, C) else storage.e]
+
+    def _listening(self, element: Element) -> Element:
+        """Let laws that use another element's answer use a signal that carries it."""
+        own = set(element.symbols.values())
+        heard = {}
+        for symbol in set().union(*(law.free_symbols for law in element.laws.values())) - own:
+            for answer in self.names.get(symbol, symbol).free_symbols & self.answers:
+                signal = sympy.Symbol(f"signal({answer.name})", real=True)
+                self.signals[signal] = answer
+                heard[symbol] = self.names[symbol].xreplace({answer: signal})
+        return element.replaced(heard) if heard else element
+
     def _write(self, name: str, element: object) -> None:
         if isinstance(element, Zero | One):
             self._write_junction(name, element)
@@ -449,7 +467,7 @@ class _Derivation:
         self.storage[name] = state
         if name in self.causal.integral:
             self.explicit[self.names[element.coenergy]] = self._local(element.law)
-            self.states[state] = self.names[element.f if isinstance(element, C) else element.e]
+            self.states[state] = self._conjugate(element)
             self.initial.append(self._local(element.initial))
         elif element.inverse is not None:
             self.dependent[name] = self.explicit[state] = self._local(element.inverse)
@@ -517,24 +535,24 @@ class _Derivation:
         for name in self.causal.derivative:
             element = self.graph.elements[name]
             assert isinstance(element, Storage)
-            conjugate = self.names[element.f if isinstance(element, C) else element.e]
-            self.explicit[conjugate] = rates.later(self.storage[name])
+            self.explicit[self._conjugate(element)] = rates.later(self.storage[name])
 
     def _stuck_contacts(self, rates: Rates) -> None:
         """Hold stuck contacts: their effort is the one at which the slip's rate is zero."""
         for contact in self.contacts:
             if contact.stuck:
-                self.implicit[contact.effort] = rates.later(contact.slip)
+                self.implicit[contact.effort] = rates.full.later(contact.slip)
 
     def _modulated_storages(self, rates: Rates) -> None:
         """Count the work that a modulation does on a storage, at constant state, as supplied."""
         for name, element in self.graph.of(Storage):
             if element.energy is None:
                 continue
+            element = self._listening(element)
             energy = self._local(element.energy)
             outside = energy.free_symbols - {self.storage[name]} - set(self.graph.parameters)
             work = sympy.Add(
-                *(sympy.diff(energy, symbol) * rates.of(symbol) for symbol in sorted(outside, key=str))
+                *(sympy.diff(energy, symbol) * rates.full.of(symbol) for symbol in sorted(outside, key=str))
             )
             if work != 0:
                 self.supplied[f"{name} (modulation)"] = work

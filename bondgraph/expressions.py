@@ -25,9 +25,9 @@ from sympy.printing.precedence import PRECEDENCE
 from sympy.printing.str import StrPrinter
 
 from .errors import LawError
-from .graph import TIME
 from .laws import exact
 
+TIME = sympy.Symbol("t", real=True)  # the same symbol as graph.TIME, which lies above
 MAX_LENGTH = 10_000  # characters
 MAX_DEPTH = 50  # functions, powers and parentheses within each other
 MAX_POWER = 100  # magnitude of a numeric exponent

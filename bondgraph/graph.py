@@ -345,10 +345,7 @@ class _Builder:
         self.submodels.append(graph)
         for label, element in graph.elements.items():
             self._register(element, f"{graph.name}.{label}")
-        self._inner.extend(
-            GraphBond(f"{graph.name}.{bond.tail}>{graph.name}.{bond.head}", f"{graph.name}.{bond.tail}", f"{graph.name}.{bond.head}")
-            for bond in graph.bonds
-        )
+        self._inner.extend(_qualified(bond, graph.name) for bond in graph.bonds)
 
     def _register(self, element: Element, label: str) -> None:
         if element in self.names:
@@ -381,6 +378,12 @@ class _Builder:
             taken.add(name)
             bonds.append(GraphBond(name, self.names[tail], self.names[head]))
         return bonds, notes
+
+
+def _qualified(bond: GraphBond, prefix: str) -> GraphBond:
+    count = bond.name.removeprefix(f"{bond.tail}>{bond.head}")
+    tail, head = f"{prefix}.{bond.tail}", f"{prefix}.{bond.head}"
+    return GraphBond(f"{tail}>{head}{count}", tail, head)
 
 
 def _element(end: Any) -> Element:

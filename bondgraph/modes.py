@@ -16,7 +16,7 @@ from typing import Any
 import sympy
 
 from .elements import Element, Friction, R, Sf
-from .errors import BondGraphError, LawError
+from .errors import LawError, ParameterError
 from .graph import BondGraph
 from .laws import exact
 
@@ -63,7 +63,7 @@ def in_mode(graph: BondGraph, modes: Mapping[str, str]) -> BondGraph:
 
     Raises
     ------
-    BondGraphError
+    ParameterError
         For a name that is no Friction, or a mode that does not exist.
 
     Examples
@@ -79,9 +79,9 @@ def in_mode(graph: BondGraph, modes: Mapping[str, str]) -> BondGraph:
         element = graph.elements.get(name)
         if not isinstance(element, Friction) or element.smoothing is not None:
             known = ", ".join(contacts(graph)) or "none"
-            raise BondGraphError(f"{name!r} is no Friction with modes of graph {graph.name!r}; it has {known}", elements=[name])
+            raise ParameterError(f"{name!r} is no Friction with modes of graph {graph.name!r}; it has {known}", elements=[name])
         if mode not in CODES:
-            raise BondGraphError(f"{name!r} has no mode {mode!r}; use {', '.join(CODES)}", elements=[name])
+            raise ParameterError(f"{name!r} has no mode {mode!r}; use {', '.join(CODES)}", elements=[name])
         changed[name] = _frozen_in(element, CODES[mode])
     return replace(graph, elements=MappingProxyType({**graph.elements, **changed}))
 

@@ -18,7 +18,12 @@ MAX_ORDER = 3
 
 
 class Rates:
-    """Adds ``der(v)`` variables to a table of assignments on demand.
+    """Adds variables for rates to a table of assignments on demand.
+
+    What dependent storages answer counts as constant here: junctions, TF and GY
+    make no power, so that the states of dependent storages do not depend on their
+    answers. These stand in the assignments all the same, where they cancel. Where
+    a law listens to an answer, or for any other purpose, use `full`.
 
     Parameters
     ----------
@@ -29,6 +34,17 @@ class Rates:
         State to the variable that is its rate.
     inputs : collection of Symbol
         Inputs; their rates become inputs in turn.
+    answers : collection of Symbol
+        What dependent storages answer.
+    signals : mapping of Symbol to Symbol
+        Variables by which laws listen to an answer, and the answer.
+
+    Attributes
+    ----------
+    full : Rates
+        Rates without the exception for answers, named ``rate(x)``.
+    input_rates : dict of Symbol to Symbol
+        Input to its rate, for the rates that were needed.
     """
 
     def __init__(
@@ -37,15 +53,25 @@ class Rates:
         implicit: MutableMapping[sympy.Symbol, sympy.Expr],
         states: Mapping[sympy.Symbol, sympy.Symbol],
         inputs: Collection[sympy.Symbol],
+        answers: Collection[sympy.Symbol] = (),
+        signals: Mapping[sympy.Symbol, sympy.Symbol] | None = None,
     ) -> None:
         self._explicit = explicit
         self._implicit = implicit
         self._states = states
         self._inputs = inputs
+        self._answers = answers
+        self._signals = signals or {}
+        self._word = "der"
         self._known: dict[sympy.Symbol, sympy.Expr] = {}
         self._order: dict[sympy.Symbol, int] = {}
         self._pending: list[sympy.Symbol] = []
         self.input_rates: dict[sympy.Symbol, sympy.Symbol] = {}
+        self.full = self
+        if answers:
+            self.full = Rates(explicit, implicit, states, inputs)
+            self.full._word = "rate"
+            self.full.input_rates = self.input_rates
 
     def of(self, expression: sympy.Expr) -> sympy.Expr:
         """Return the total time derivative of an expression, in known variables and rates.
@@ -67,6 +93,16 @@ class Rates:
         """
         return self._rate(symbol)
 
+    def finish(self) -> None:
+        """Write the assignments of the rates asked for, until none is left."""
+        while self._pending or self.full._pending:
+            work = self if self._pending else self.full
+            symbol = work._pending.pop()
+            rate = work._known[symbol]
+            assert isinstance(rate, sympy.Symbol)
+            table = self._explicit if symbol in self._explicit else self._implicit
+            table[rate] = work._chain(table[symbol])
+
     def _chain(self, expression: sympy.Expr) -> sympy.Expr:
         terms = []
         for symbol in sorted(expression.free_symbols, key=lambda item: item.name):
@@ -77,6 +113,10 @@ class Rates:
 
     def _rate(self, symbol: sympy.Symbol) -> sympy.Expr:
         """Return the rate of one symbol, as zero, one or a symbol."""
+        if symbol in self._answers:
+            return sympy.S.Zero
+        if symbol in self._signals:
+            return self.full._rate(self._signals[symbol])
         if symbol in self._known:
             return self._known[symbol]
         if symbol == TIME:
@@ -103,19 +143,8 @@ class Rates:
                 f"a dependent storage hangs on another: add a compliance or resistance between them",
                 elements=[symbol.name],
             )
-        rate = sympy.Symbol(f"der({symbol.name})", real=True)
+        rate = sympy.Symbol(f"{self._word}({symbol.name})", real=True)
         self._known[symbol] = rate
         self._order[rate] = order
         self._pending.append(symbol)
         return rate
-
-    def finish(self) -> None:
-        """Write the assignments of the rates asked for, until none is left."""
-        while self._pending:
-            symbol = self._pending.pop()
-            rate = self._known[symbol]
-            assert isinstance(rate, sympy.Symbol)
-            if symbol in self._explicit:
-                self._explicit[rate] = self._chain(self._explicit[symbol])
-            else:
-                self._implicit[rate] = self._chain(self._implicit[symbol])

@@ -7,12 +7,15 @@ from __future__ import annotations
 
 import functools
 import math
+import re
 from typing import TYPE_CHECKING, Any
 
 from .errors import ParameterError
 
 if TYPE_CHECKING:
     import pint
+
+_POWER = r"(\*\*|\^)\s*\(?\s*[-+]?\d{1,2}(\.\d{1,3})?(/\d{1,2})?\s*\)?(?!\s*(\*\*|\^))"
 
 
 @functools.cache
@@ -31,6 +34,7 @@ def parse_unit(unit: str) -> Any:
     >>> str(parse_unit("N/mm"))
     'newton / millimeter'
     """
+    _check_plain(unit)
     import pint
 
     try:
@@ -39,6 +43,14 @@ def parse_unit(unit: str) -> Any:
         raise ParameterError(f"unit {unit!r} is not known; write it like 'N/mm', 'rad/s' or 'kg*m^2'") from None
     except Exception as error:  # tokenizer errors of pint have no common base
         raise ParameterError(f"unit {unit!r} cannot be read ({error}); write it like 'N/mm'") from None
+
+
+def _check_plain(unit: str) -> None:
+    """Refuse text that would make pint compute: numbers stand only in small exponents."""
+    plain = re.sub(r"[^\W\d]\w*", "u", re.sub(_POWER, "", unit))
+    if len(unit) > 100 or re.search(r"\d|\^|\*\*", re.sub(r"\b1\b", "", plain)):
+        shown = unit if len(unit) <= 40 else f"{unit[:37]}..."
+        raise ParameterError(f"unit {shown!r} cannot be read; write it like 'kg*m^2' or 'N/mm'")
 
 
 def to_si(value: float, unit: str, expected: str | None = None) -> float:

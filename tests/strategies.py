@@ -37,7 +37,7 @@ def sketches(
     sources
         Whether to draw Se and Sf.
     aligned
-        Whether arrows run through two-ports, so that in and out do not hang on the order written.
+        Whether power runs through two-ports, so that in and out do not hang on the order written.
     """
     return _Pencil(draw, aligned).sketch(
         junctions, loops, ones, chain, PASSIVE + ["Se", "Sf"] * sources
@@ -82,7 +82,8 @@ class _Pencil:
         """Bond two elements, now and then through two-ports, with arrows either way."""
         kinds = self.draw(st.lists(st.sampled_from(["TF", "GY"]), max_size=chain))
         path = [first, *map(self.element, kinds), second]
-        backwards = self.draw(st.booleans())
+        outwards = self.aligned and self.elements[second][0] in PASSIVE
+        backwards = not outwards and self.draw(st.booleans())
         for tail, head in itertools.pairwise(path):
             self.bonds.append((head, tail) if backwards else (tail, head))
             if not self.aligned:

@@ -474,6 +474,32 @@ class TestDerivativeCausality:
         assert equal((J + m * l**2) * t2 + m * l * cos * x2 + m * g * l * sin, 0)
         assert speed not in found["angle.q"].free_symbols
 
+    def test_a_law_that_listens_to_a_dependent_mass(self):
+        """A force in proportion to an acceleration is as good as a mass."""
+        v = One("v")
+        slave = I("b", M)
+        equations = derive(
+            assemble("g", Se("s", F) >> v >> (I("a", m), slave), Se("react", -k * slave.e) >> v)
+        )
+        assert equal(rates(equations)["a.p"], m * F / (m + M + k * M))
+        check_closed(equations)
+
+    def test_the_rate_of_what_a_dependent_mass_answers(self):
+        """A second mass driven in proportion to the first one's inertia force: second derivatives."""
+        v = One("v")
+        slave = I("b", M)
+        equations = derive(
+            assemble(
+                "g",
+                Se("s", F) >> v >> (I("a", m), slave, R("r", r)),
+                Sf("drive", k * slave.e) >> I("c", L),
+            )
+        )
+        acceleration = (F - r * var("a.p") / m) / (m + M)
+        assert equal(port(equations, "b.e"), M * acceleration)
+        assert equal(port(equations, "c.e"), -L * k * M * r * acceleration / (m + M))
+        check_closed(equations)
+
     def test_derivatives_of_ever_higher_order_are_refused_by_name(self):
         """A source driven by the flow of the storage it sits on: a differential relation."""
         tank = C("tank", c)
@@ -506,7 +532,9 @@ class TestFriction:
 
     def test_only_friction_is_stuck(self):
         for name in ("m", "nothing"):
-            with pytest.raises(BondGraphError, match=f"{name}: no Friction with modes of graph 'sled'"):
+            with pytest.raises(
+                BondGraphError, match=f"{name}: no Friction with modes of graph 'sled'"
+            ):
                 derive(self.sled(), stuck=[name])
 
     def test_smooth_form_has_no_contact(self):

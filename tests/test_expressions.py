@@ -111,6 +111,10 @@ def test_names_go_before_constants():
     assert read("t", {"t": t}) is t
 
 
+def test_t_is_the_time_of_graphs():
+    assert read("t") == TIME == expressions.TIME
+
+
 def test_a_name_may_be_refused_with_words():
     assert "write pad.f" in refused("2*f", {"f": "it means two things: write pad.f"})
 

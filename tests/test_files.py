@@ -566,9 +566,9 @@ MALFORMED = {
     "value of a state": ('"8*M"', '"8*k.q"', LawError, "the name 'k.q' is not known"),
     "value in time": ('"8*M"', '"8*t"', ParameterError, "a parameter is constant"),
     "unknown unit": ('unit = "kg"', 'unit = "kgg"', ParameterError, "parameters, 'M': unit 'kgg'"),
-    "unit that grows": ('unit = "kg"', 'unit = "9**9**9**9"', ParameterError, "is no unit"),
-    "unit that towers": ('unit = "kg"', 'unit = "m**9**9"', ParameterError, "is no unit"),
-    "unit too long": ('unit = "kg"', f'unit = "{"m" * 5000}"', ParameterError, "is no unit"),
+    "unit that grows": ('unit = "kg"', 'unit = "9**9**9**9"', ParameterError, "cannot be read"),
+    "unit that towers": ('unit = "kg"', 'unit = "m**9**9"', ParameterError, "cannot be read"),
+    "unit too long": ('unit = "kg"', f'unit = "{"m" * 5000}"', ParameterError, "cannot be read"),
     "unit as number": ('unit = "kg"', "unit = 1", ModelError, "parameters, 'M', unit is 1"),
     "unknown assumption": ('"positive"', '"positiv"', ParameterError, "assume = 'positiv'"),
     "assumption as number": ('"positive"', "1", ParameterError, "assume = 1"),
@@ -596,6 +596,8 @@ MALFORMED = {
     ),
     "output unit": ('unit = "m"', 'unit = "mmm"', ParameterError, "outputs, 'x': unit 'mmm'"),
     "two meanings": ("B = 0.5", "B = 0.5\nf = 1", LawError, "write 'parameters.f'"),
+    "long key": ("B = 0.5", "B" + ".b" * 100_000 + " = 1", ModelError, "more than 50 parts"),
+    "long quoted key": ("B = 0.5", "B" + '."!" ' * 100_000 + "= 1", ModelError, "more than 50"),
     "nested": ("B = 0.5", "B = " + "[" * 5000 + "]" * 5000, ModelError, "nested too deep"),
 }
 

@@ -31,7 +31,7 @@ def test_floats_inside_expressions():
 @pytest.mark.parametrize(
     "value",
     [
-        *("1", True, numpy.bool_(True), None, [1], (1, 2), {}, object()),
+        *("1", True, numpy.bool_(True), None, [1], (1, 2), {}, pytest.param(object(), id="object")),
         *(math.nan, math.inf, -math.inf, sympy.zoo, 1j, sympy.sqrt(-1)),
         *(numpy.array([1, 2]), sympy.Eq(v, 1)),
     ],

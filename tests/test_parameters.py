@@ -43,7 +43,7 @@ class TestForms:
     @pytest.mark.parametrize(
         "given",
         [
-            *("3", [3], True, math.nan, math.inf, 1j, object()),
+            *("3", [3], True, math.nan, math.inf, 1j, pytest.param(object(), id="object")),
             *((3,), (3, 4), (3, "N", "a", "b", "c"), (3, None)),
             *(Parameter("3"), Quantity(numpy.array([1, 2]), "N")),
         ],

@@ -206,25 +206,26 @@ def stability(
 ) -> None:
     """Find the steady state, its eigenvalues, and what decides them."""
     values = opt.read_settings(settings)
-    ranges = opt.read_vary(vary)
-    from bondgraph.stability import assess
+    from bondgraph.stability import Vary, assess
 
-    from .load import load_model
+    from .load import load_model, report_parts
     from .show import stability_tables
 
+    ranges = [Vary.parse(word) for word in vary]
     graph = load_model(model)
+    sections, description, usual = ([], "", []) if report is None else report_parts(model, values)
     result = assess(
         graph,
         values,
         inputs=opt.read_settings(files, "--input"),
         modes=_read_modes(fixed),
-        vary=_ranges(graph, ranges),
+        vary=ranges or [Vary(*item) for item in usual],
     )
     page = None
     if report is not None:
         from bondgraph.report import write_report
 
-        page = write_report(result, report)
+        page = write_report(result, report, sections, description)
     if as_json:
         opt.print_json(result.to_json())
         return
@@ -241,22 +242,6 @@ def _read_modes(words: tuple[str, ...]) -> dict[str, str]:
             raise click.UsageError(f"--mode {word!r}: write NAME=stick, NAME=slip+ or NAME=slip-")
         modes[name] = mode
     return modes
-
-
-def _ranges(graph: BondGraph, ranges: list[tuple[str, float, float, int, str | None]]) -> list[Any]:
-    """Convert the ends of each range to SI."""
-    from bondgraph.parameters import unknown_name
-    from bondgraph.stability import Vary
-    from bondgraph.units import to_si
-
-    table = {symbol.name: row for symbol, row in graph.parameters.items()}
-    found = []
-    for name, low, high, count, unit in ranges:
-        if name not in table:
-            raise unknown_name("parameter", name, table)
-        ends = [end if unit is None else to_si(end, unit, expected=table[name].unit) for end in (low, high)]
-        found.append(Vary(name, ends[0], ends[1], count))
-    return found
 
 
 ALL = (models, show, equations, simulate, stability)

@@ -12,6 +12,36 @@ from bondgraph.errors import BondGraphError, ModelError
 from bondgraph.graph import BondGraph
 
 
+def report_parts(word: str, parameters: dict[str, Any]) -> tuple[list[Any], str, list[Any]]:
+    """Return what a library model adds to its report.
+
+    Parameters
+    ----------
+    word : str
+        MODEL.
+    parameters : dict
+        Settings of the report.
+
+    Returns
+    -------
+    sections : list of bondgraph.report.Section
+    description : str
+    ranges : list of (name, lo, hi, points)
+        What to follow the eigenvalues over unless told otherwise.
+    """
+    from bondgraph import models
+
+    if word not in models.LIBRARY:
+        return [], "", []
+    module = getattr(models, word)
+    figures = getattr(module, "figures", None)
+    return (
+        list(figures(parameters)) if figures else [],
+        module.__doc__ or "",
+        list(getattr(module, "VARY", ())),
+    )
+
+
 def load_model(word: str) -> BondGraph:
     """Return the graph that MODEL names.
 

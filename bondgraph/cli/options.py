@@ -87,33 +87,6 @@ def read_number(text: str, what: str) -> float:
     return value
 
 
-def read_vary(words: tuple[str, ...]) -> list[tuple[str, float, float, int, str | None]]:
-    """Read NAME=LO:HI:N or NAME=LO:HI:N[unit] words.
-
-    Returns
-    -------
-    list of (name, lo, hi, number of points, unit or None)
-
-    Examples
-    --------
-    >>> read_vary(("V0=0.2:1.5:40",))
-    [('V0', 0.2, 1.5, 40, None)]
-    """
-    found = []
-    for word in words:
-        name, equals, text = word.partition("=")
-        match = _VALUE.match(text)
-        parts = match[1].split(":") if match else []
-        if not equals or match is None or len(parts) != 3 or not parts[2].strip().isdigit():
-            raise click.UsageError(f"--vary {word!r}: write NAME=LO:HI:N, such as V0=0.2:1.5:40")
-        low, high = (read_number(part, f"--vary {name}") for part in parts[:2])
-        count = int(parts[2])
-        if not low < high or not 2 <= count <= 100_000:
-            raise click.UsageError(f"--vary {word!r}: LO must lie below HI, and N between 2 and 100000")
-        found.append((name.strip(), low, high, count, match[2]))
-    return found
-
-
 def print_json(value: dict[str, Any]) -> None:
     """Print one JSON object, refusing what JSON cannot hold."""
     click.echo(json.dumps(value, allow_nan=False))

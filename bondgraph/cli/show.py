@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from typing import TYPE_CHECKING, Any
 
 import sympy
@@ -20,7 +21,8 @@ if TYPE_CHECKING:
 
 
 def _console() -> Console:
-    return Console(highlight=False, soft_wrap=True)
+    wide = None if sys.stdout.isatty() else 120  # a pipe has no width of its own
+    return Console(highlight=False, soft_wrap=True, width=wide)
 
 
 def _table(title: str, *columns: str) -> Table:
@@ -169,7 +171,7 @@ def run_tables(trajectory: Trajectory) -> None:
 def stability_tables(result: StabilityResult) -> None:
     """Print a stability verdict for reading."""
     console = _console()
-    console.print(f"[bold]{result.model}[/bold]: {result.verdict}\n", soft_wrap=False)
+    console.print(f"{result.verdict}\n", soft_wrap=False, markup=False)
     table = _table("Eigenvalues", "eigenvalue [1/s]", "frequency [Hz]", "damping ratio", "stable", "decided by")
     for row in result.rows:
         value = row.eigenvalue

@@ -7,7 +7,6 @@ import itertools
 from dataclasses import dataclass
 
 import numpy
-import sympy
 
 from bondgraph import derive, in_mode, models, steady_state
 from bondgraph.codegen import Program
@@ -46,7 +45,7 @@ class Case:
         centre = numpy.array([about.get(state.name, 0.0) for state in eq.states])
         for _ in range(count):
             spread = rng.normal(size=len(centre))
-            x = centre * (1 + 0.3 * spread) + (centre == 0) * 0.1 * spread
+            x = centre * (1 + 0.3 * spread) + (numpy.abs(centre) < 1e-20) * 0.1 * spread
             u = rng.normal(size=len(eq.inputs))
             p = [values[symbol.name] for symbol in eq.parameters]
             yield [0.7], x, u, p, rng.choice([-1.0, 1.0], size=len(eq.directions))
@@ -87,8 +86,3 @@ def cases() -> tuple[Case, ...]:
             equations = derive(in_mode(graph(name), chosen))
             found.append(Case(f"{name}[{','.join(chosen.values())}]", equations, chosen))
     return tuple(found)
-
-
-def terms(expression: sympy.Expr) -> tuple[sympy.Expr, ...]:
-    """Summands of an expression: what its rounding error is measured by."""
-    return sympy.Add.make_args(expression)

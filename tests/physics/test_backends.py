@@ -41,7 +41,7 @@ class TestBackends:
     def test_a_trajectory_in_one_call_is_its_points(self, case):
         function = to_numpy(case.program(rates=case.equations.derivatives))
         points = list(case.points(5))
-        t, x, u, p, d = points[0]
+        t, _, u, p, d = points[0]
         whole = function(t, numpy.array([point[1] for point in points]).T, u, p, d)[0]
         single = [function(t, point[1], u, p, d)[0] for point in points]
         assert numpy.array_equal(whole.T, single)

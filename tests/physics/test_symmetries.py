@@ -72,7 +72,7 @@ def test_order_of_writing(data, sketch):
 
 
 @settings(max_examples=40, deadline=None)
-@given(sketch=sketches(sources=False))
+@given(sketch=sketches(sources=False, aligned=True))
 def test_duality(sketch):
     """Efforts and flows exchanged throughout: 0 and 1, C and I; R and n inverted; GY inverted."""
     other = {"0": "1", "1": "0", "C": "I", "I": "C"}
