@@ -1,33 +1,15 @@
 /*
- * Event-driven Dormand-Prince 5(4) integration of a model with dry-friction switches.
+ * Event-driven integration of a model with dry-friction switches. Follows kernel.c, where the step
+ * itself is; this file knows no model, and reaches a mode (a set of stuck switches) by `Mode`.
  *
- * This file knows no model: a mode (the set of stuck switches) is a pair of functions in CasADi's
- * calling convention,
- *
- *     rhs   : (t, x, u, p, s) -> dx/dt [n], supplied power, dissipated power
- *     guard : (t, x, u, p, s) -> g [k], a [k]        an event is g falling below zero
- *         slipping switch: g = s*v, a = v (its slip);  stuck: g = breakaway - |a|, a = its force
- *
- * stepper.py is the same algorithm, line by line, in Python: change both together.
+ * stepper.py is the same algorithm, line by line, in Python, and gives the same bits: change both
+ * together.
  *
  * halfarrow_advance() runs until it is done or needs its caller: an unknown mode, room for rows or
  * events, or a look at the clock. All state is in `Run`, so the caller serves the request and calls
  * again. Every phase checks what it needs before it changes anything, and so can be entered twice.
  */
-#define _POSIX_C_SOURCE 199309L
-#include <float.h>
-#include <math.h>
-#include <string.h>
 #include <time.h>
-
-typedef long long i64;
-typedef int (*Model)(const double **arg, double **res, i64 *iw, double *w, int mem);
-
-typedef struct {
-    unsigned long long stuck; /* bit j: switch j is stuck */
-    Model rhs, guard;
-    i64 rhs_memory, guard_memory;
-} Mode;
 
 /* What halfarrow_advance returns; from FINISHED on it is an outcome. */
 enum { CONTINUE, NEED_MODE, ROWS_FULL, EVENTS_FULL, PAUSED,
@@ -35,7 +17,7 @@ enum { CONTINUE, NEED_MODE, ROWS_FULL, EVENTS_FULL, PAUSED,
 
 enum { BEGIN, CLASSIFY, RESTART, STEP, EMIT, SETTLE, KNOT, CONCLUDE };
 
-/* Every field is 8 bytes wide; hybrid.py mirrors the part above "private". */
+/* Every field is 8 bytes wide; native.py mirrors the part above "private". */
 typedef struct {
     /* given by the caller */
     i64 n, m, k, n_knots, n_eval, n_modes, row_capacity, event_capacity, max_steps, max_events;
@@ -43,8 +25,6 @@ typedef struct {
     const double *x0, *parameters, *atol, *weights, *knots, *values, *t_eval;
     const signed char *hold;
     const Mode *modes;
-    const double **arg;
-    double **res;
     i64 *iw;
     double *w;
     double *rows;           /* [n+3] each: t, x, supplied, dissipated */
@@ -62,10 +42,11 @@ typedef struct {
     /* private */
     i64 phase, outcome, mode, knot, next_eval, started, keep_step, unresolved, event_pending;
     i64 after_rejection, bad, shrinks, halvings, futile, settled, dense_ready;
-    double h, h_used, t_new, t_begin, error_old, energy;
-    double *x, *x_new, *K[7], *stage, *dense[5], *u, *s, *s_probe, *floor, *wobbled;
-    double *sample[5], *probe, *noise, *probe_noise, *instants;
-    signed char *next, *armed, *armed_low, *fired;
+    double h, h_used, reached, t_new, t_begin, log_error, energy;
+    double *x, *x_new, *slope, *stage, *s, *s_probe, *wobbled, *u, *u_slope;
+    double *probe, *noise, *probe_noise, *instants;
+    signed char *next, *armed, *armed_low, *fired, *fresh;
+    Step at; /* x, x_new and slope above are its own */
 } Run;
 
 /* ---------------------------------------------------------------------------- constants */
@@ -75,7 +56,6 @@ static const double WOBBLE = 1.0 / 1048576.0; /* relative change of x that shows
 #define WINDOW(k) (64 + 8 * (k))              /* events that must not share one instant */
 enum { MAX_BAD = 20, MAX_SHRINKS = 6, MAX_HALVINGS = 6 };
 
-static double larger(double a, double b) { return a > b ? a : b; }
 static double smaller(double a, double b) { return a < b ? a : b; }
 static double ulp(double t) { return DBL_EPSILON * larger(fabs(t), DBL_MIN); }
 static int sign(double a) { return a < 0 ? -1 : 1; }
@@ -91,10 +71,10 @@ static double seconds(void)
 
 i64 halfarrow_work_size(i64 n, i64 m, i64 k)
 {
-    return 17 * (n + 2) + m + 2 * k + 16 * k + WINDOW(k);
+    return 17 * (n + 2) + 2 * m + 2 * k + 16 * k + WINDOW(k) + 1;
 }
 
-i64 halfarrow_flag_size(i64 k) { return 4 * k; }
+i64 halfarrow_flag_size(i64 k) { return 5 * k; }
 
 i64 halfarrow_run_size(void) { return (i64)sizeof(Run); }
 
@@ -109,188 +89,123 @@ static void lay_out(Run *r)
 {
     const i64 N = r->n + 2, k = r->k;
     double *free = r->work;
-    r->x = take(&free, N);
-    r->x_new = take(&free, N);
-    for (int i = 0; i < 7; i++) r->K[i] = take(&free, N);
-    for (int i = 0; i < 5; i++) r->dense[i] = take(&free, N);
+    Step *at = &r->at;
+    at->x = r->x = take(&free, N);
+    at->x_new = r->x_new = take(&free, N);
+    at->slopes = r->slope = take(&free, 7 * N);
+    at->dense = take(&free, 5 * N);
+    at->floor = take(&free, N);
     r->stage = take(&free, N);
-    r->floor = take(&free, N);
     r->wobbled = take(&free, N);
-    r->u = take(&free, r->m);
-    r->s = take(&free, k);
+    at->u = r->u = take(&free, r->m);
+    at->u_slope = r->u_slope = take(&free, r->m);
+    at->codes = r->s = take(&free, k + 1);
     r->s_probe = take(&free, k);
-    for (int i = 0; i < 5; i++) r->sample[i] = take(&free, 2 * k);
+    at->sample = take(&free, 10 * k);
     r->probe = take(&free, 2 * k);
     r->noise = take(&free, 2 * k);
     r->probe_noise = take(&free, 2 * k);
     r->instants = take(&free, WINDOW(k));
+    at->atol = r->atol;
+    at->rtol = r->rtol;
+    at->parameters = r->parameters;
     r->next = r->flags;
     r->armed = r->flags + k;
     r->armed_low = r->flags + 2 * k;
     r->fired = r->flags + 3 * k;
+    r->fresh = r->flags + 4 * k;
 }
 
 /* ---------------------------------------------------------------------------- model */
 
-/* Inputs at t, which lies in the interval after r->knot (the step never leaves it). */
-static void set_inputs(Run *r, double t)
+/* Inputs in the interval after r->knot, which no step leaves: values at its start, and slopes. */
+static void set_inputs(Run *r)
 {
-    const i64 m = r->m, i = r->knot;
+    const i64 m = r->m, i = r->knot < 0 ? 0 : r->knot;
+    const int inside = r->knot >= 0 && i + 1 < r->n_knots;
     if (m == 0) return;
-    if (i < 0 || i + 1 >= r->n_knots) {
-        memcpy(r->u, r->values + (i < 0 ? 0 : i) * m, (size_t)m * sizeof(double));
-        return;
+    r->at.t_input = r->knots[i];
+    for (i64 c = 0; c < m; c++) {
+        const double *value = r->values + i * m + c;
+        r->u[c] = value[0];
+        r->u_slope[c] = 0;
+        if (inside && r->hold[c])
+            r->u_slope[c] = (value[m] - value[0]) / (r->knots[i + 1] - r->knots[i]);
     }
-    const double part = (t - r->knots[i]) / (r->knots[i + 1] - r->knots[i]);
-    const double *left = r->values + i * m, *right = left + m;
-    for (i64 c = 0; c < m; c++)
-        r->u[c] = r->hold[c] ? left[c] + part * (right[c] - left[c]) : left[c];
 }
 
-static int call(Run *r, Model f, i64 memory, const double *s, double t, const double *x, double *out)
-{
-    set_inputs(r, t);
-    r->arg[0] = &t;
-    r->arg[1] = x;
-    r->arg[2] = r->u;
-    r->arg[3] = r->parameters;
-    r->arg[4] = s;
-    r->res[0] = out;
-    return f(r->arg, r->res, r->iw, r->w, (int)memory);
-}
+static const Mode *now(const Run *r) { return r->modes + r->mode; }
 
 static int rhs(Run *r, double t, const double *x, double *out)
 {
-    const Mode *mode = r->modes + r->mode;
     r->evaluations++;
-    return call(r, mode->rhs, mode->rhs_memory, r->s, t, x, out);
+    return now(r)->rhs(&r->at, t, x, out);
 }
 
 static void guard(Run *r, double t, const double *x, double *out)
 {
-    const Mode *mode = r->modes + r->mode;
-    call(r, mode->guard, mode->guard_memory, r->s, t, x, out);
+    now(r)->guard(&r->at, t, x, out);
 }
 
-/* Index of the mode in which exactly the switches with code 0 stick; -1 asks the caller for it. */
-static i64 find_mode(Run *r, const signed char *code)
+static int advance(Run *r, double h)
+{
+    r->evaluations += 5;
+    return now(r)->advance(&r->at, h);
+}
+
+static double finish(Run *r, double h)
+{
+    r->evaluations++;
+    return now(r)->finish(&r->at, h);
+}
+
+static double *sample(const Run *r, int c) { return r->at.sample + 2 * r->k * c; }
+
+/* The mode in which exactly the switches with code 0 stick; NULL asks the caller for it. */
+static const Mode *find_mode(Run *r, const signed char *code)
 {
     unsigned long long stuck = 0;
     for (i64 j = 0; j < r->k; j++)
         if (code[j] == 0) stuck |= 1ULL << j;
     for (i64 i = 0; i < r->n_modes; i++)
-        if (r->modes[i].stuck == stuck) return i;
+        if (r->modes[i].stuck == stuck) return r->modes + i;
     r->wanted = stuck;
-    return -1;
+    return NULL;
 }
 
 /*
  * Guards g, a of a mode at the present point, and how far rounding can move each: the change under
- * a small scattered change of the state, scaled down to the precision of a double.
+ * a small scattered change of the state, scaled down to the precision of a double. A state is
+ * rounded like its largest value so far, for it is a sum of steps.
  */
-static void measure(Run *r, i64 mode, const signed char *code, double *g, double *noise)
+static void measure(Run *r, const Mode *mode, const signed char *code, double *g, double *noise)
 {
-    const Model f = r->modes[mode].guard;
-    const i64 memory = r->modes[mode].guard_memory;
     for (i64 j = 0; j < r->k; j++) r->s_probe[j] = code[j];
     for (i64 i = 0; i < r->n; i++) {
         const double golden = (double)i * 0.6180339887498949;
         const double scatter = 0.5 + (golden - floor(golden));
-        r->wobbled[i] = r->x[i] * (1.0 + WOBBLE * (i % 2 ? -scatter : scatter));
+        const double size = larger(fabs(r->x[i]), 1e3 * r->at.floor[i]);
+        r->wobbled[i] = r->x[i] + WOBBLE * (i % 2 ? -scatter : scatter) * size;
     }
-    call(r, f, memory, r->s_probe, r->t, r->x, g);
-    call(r, f, memory, r->s_probe, r->t, r->wobbled, noise);
-    for (i64 j = 0; j < 2 * r->k; j++)
-        noise[j] = 64 * DBL_EPSILON * (fabs(noise[j] - g[j]) / WOBBLE + fabs(g[j]));
+    r->at.codes = r->s_probe;
+    mode->guard(&r->at, r->t, r->x, g);
+    mode->guard(&r->at, r->t, r->wobbled, noise);
+    r->at.codes = r->s;
+    for (i64 j = 0; j < 2 * r->k; j++) {
+        const double moved = fabs(noise[j] - g[j]);
+        noise[j] = 64 * DBL_EPSILON * ((isfinite(moved) ? moved / WOBBLE : 0) + fabs(g[j]));
+    }
 }
 
 /* ---------------------------------------------------------------------------- one step */
 
-/* x_new one Dormand-Prince step of length h after x; needs K[0], fills K[1] to K[5]. */
-static int stages(Run *r, double h)
-{
-    const i64 n = r->n;
-    const double t = r->t;
-    const double *restrict x = r->x;
-    double *restrict y = r->stage;
-    double *restrict k1 = r->K[0], *restrict k2 = r->K[1], *restrict k3 = r->K[2];
-    double *restrict k4 = r->K[3], *restrict k5 = r->K[4], *restrict k6 = r->K[5];
-    double *restrict x_new = r->x_new;
-    int failed = 0;
-
-    for (i64 i = 0; i < n; i++) y[i] = x[i] + h * (1.0 / 5.0 * k1[i]);
-    failed |= rhs(r, t + h * (1.0 / 5.0), y, k2);
-    for (i64 i = 0; i < n; i++) y[i] = x[i] + h * (3.0 / 40.0 * k1[i] + 9.0 / 40.0 * k2[i]);
-    failed |= rhs(r, t + h * (3.0 / 10.0), y, k3);
-    for (i64 i = 0; i < n; i++)
-        y[i] = x[i] + h * (44.0 / 45.0 * k1[i] - 56.0 / 15.0 * k2[i] + 32.0 / 9.0 * k3[i]);
-    failed |= rhs(r, t + h * (4.0 / 5.0), y, k4);
-    for (i64 i = 0; i < n; i++)
-        y[i] = x[i] + h * (19372.0 / 6561.0 * k1[i] - 25360.0 / 2187.0 * k2[i]
-                           + 64448.0 / 6561.0 * k3[i] - 212.0 / 729.0 * k4[i]);
-    failed |= rhs(r, t + h * (8.0 / 9.0), y, k5);
-    for (i64 i = 0; i < n; i++)
-        y[i] = x[i] + h * (9017.0 / 3168.0 * k1[i] - 355.0 / 33.0 * k2[i]
-                           + 46732.0 / 5247.0 * k3[i] + 49.0 / 176.0 * k4[i]
-                           - 5103.0 / 18656.0 * k5[i]);
-    failed |= rhs(r, t + h, y, k6);
-    for (i64 i = 0; i < n + 2; i++)
-        x_new[i] = x[i] + h * (35.0 / 384.0 * k1[i] + 500.0 / 1113.0 * k3[i]
-                               + 125.0 / 192.0 * k4[i] - 2187.0 / 6784.0 * k5[i]
-                               + 11.0 / 84.0 * k6[i]);
-    return failed;
-}
-
-/* K[6], the slope after the step; nonzero when the step holds a NaN or an infinity. */
-static int last_stage(Run *r, double h)
-{
-    double zero = 0;
-    if (rhs(r, r->t + h, r->x_new, r->K[6])) return 1;
-    for (i64 i = 0; i < r->n + 2; i++) zero += 0 * r->x_new[i] + 0 * r->K[6][i];
-    return zero != 0;
-}
-
-/* Largest component of the error estimate, in units of what the tolerances allow. */
-static double error_norm(const Run *r, double h)
-{
-    double norm = 0;
-    for (i64 i = 0; i < r->n; i++) {
-        const double e = h * (71.0 / 57600.0 * r->K[0][i] - 71.0 / 16695.0 * r->K[2][i]
-                              + 71.0 / 1920.0 * r->K[3][i] - 17253.0 / 339200.0 * r->K[4][i]
-                              + 22.0 / 525.0 * r->K[5][i] - 1.0 / 40.0 * r->K[6][i]);
-        const double size = larger(larger(fabs(r->x[i]), fabs(r->x_new[i])), r->floor[i]);
-        const double allowed = r->atol[i] + r->rtol * size;
-        norm = larger(norm, fabs(e) / larger(allowed, DBL_MIN));
-    }
-    return norm;
-}
-
-static void make_dense(Run *r, double h)
-{
-    for (i64 i = 0; i < r->n + 2; i++) {
-        const double rise = r->x_new[i] - r->x[i];
-        const double bend = h * r->K[0][i] - rise;
-        r->dense[0][i] = r->x[i];
-        r->dense[1][i] = rise;
-        r->dense[2][i] = bend;
-        r->dense[3][i] = rise - h * r->K[6][i] - bend;
-        r->dense[4][i] = h * (-12715105075.0 / 11282082432.0 * r->K[0][i]
-                              + 87487479700.0 / 32700410799.0 * r->K[2][i]
-                              - 10690763975.0 / 1880347072.0 * r->K[3][i]
-                              + 701980252875.0 / 199316789632.0 * r->K[4][i]
-                              - 1453857185.0 / 822651844.0 * r->K[5][i]
-                              + 69997945.0 / 29380423.0 * r->K[6][i]);
-    }
-    r->dense_ready = 1;
-}
-
 /* The first `count` components at the fraction `part` of the step. */
 static void interpolate(const Run *r, double part, i64 count, double *restrict out)
 {
-    const double *const *d = (const double *const *)r->dense;
-    const double rest = 1 - part;
+    const i64 N = r->n + 2;
+    const double *restrict d = r->at.dense;
     for (i64 i = 0; i < count; i++)
-        out[i] = d[0][i] + part * (d[1][i] + rest * (d[2][i] + part * (d[3][i] + rest * d[4][i])));
+        out[i] = INTERPOLANT(d[i], d[i + N], d[i + 2 * N], d[i + 3 * N], d[i + 4 * N], part);
 }
 
 /*
@@ -300,14 +215,15 @@ static void interpolate(const Run *r, double part, i64 count, double *restrict o
 static void first_step(Run *r)
 {
     const i64 n = r->n;
+    double *reached = r->slope + (n + 2);
     const double remaining = r->t_end - r->t;
     double small = r->h > 0 ? 0.01 * r->h : 1e-6 * remaining;
     double size = 0, slope = 0;
     for (i64 i = 0; i < n; i++) {
-        const double allowed = r->atol[i] + r->rtol * larger(fabs(r->x[i]), r->floor[i]);
+        const double allowed = r->atol[i] + r->rtol * larger(fabs(r->x[i]), r->at.floor[i]);
         if (allowed > 0) {
             size = larger(size, fabs(r->x[i]) / allowed);
-            slope = larger(slope, fabs(r->K[0][i]) / allowed);
+            slope = larger(slope, fabs(r->slope[i]) / allowed);
         }
     }
     if (slope > 0 && size > 0) small = smaller(small, 0.01 * size / slope);
@@ -315,15 +231,15 @@ static void first_step(Run *r)
     for (int tries = 0; tries < 12; tries++) {
         double turn = 0, zero = 0;
         slope = 0;
-        for (i64 i = 0; i < n; i++) r->stage[i] = r->x[i] + small * r->K[0][i];
-        const int failed = rhs(r, r->t + small, r->stage, r->K[1]);
+        for (i64 i = 0; i < n; i++) r->stage[i] = r->x[i] + small * r->slope[i];
+        const int failed = rhs(r, r->t + small, r->stage, reached);
         for (i64 i = 0; i < n; i++) {
             const double reach = larger(fabs(r->x[i]), fabs(r->stage[i]));
-            const double allowed = r->atol[i] + r->rtol * larger(reach, r->floor[i]);
-            const double change = fabs(r->K[1][i] - r->K[0][i]);
-            zero += 0 * r->K[1][i];
+            const double allowed = r->atol[i] + r->rtol * larger(reach, r->at.floor[i]);
+            const double change = fabs(reached[i] - r->slope[i]);
+            zero += 0 * reached[i];
             if (allowed > 0) {
-                slope = larger(slope, fabs(r->K[0][i]) / allowed);
+                slope = larger(slope, fabs(r->slope[i]) / allowed);
                 turn = larger(turn, change / allowed / small);
             }
         }
@@ -361,11 +277,16 @@ static double level_dense(Run *r, double tau)
     return lowest(r, r->probe);
 }
 
+/* By a step of length tau, which is left in x_new; the switches below zero go to `fired`. */
 static double level_true(Run *r, double tau)
 {
-    stages(r, tau);
+    advance(r, tau);
     guard(r, r->t + tau, r->x_new, r->probe);
-    return lowest(r, r->probe);
+    r->reached = tau;
+    const double level = lowest(r, r->probe);
+    for (i64 j = 0; j < r->k && level < 0; j++)
+        r->fired[j] = r->probe[j] + (r->armed_low[j] ? 0 : r->noise[j]) < 0;
+    return level;
 }
 
 /* Where between a and b three points put the zero, 1/2 where that is not safe. */
@@ -415,7 +336,7 @@ static void arm_until(Run *r, int at)
     for (i64 j = 0; j < r->k; j++) {
         r->armed_low[j] = r->armed[j];
         for (int c = 1; c <= at; c++)
-            if (r->sample[c][j] > r->noise[j]) r->armed_low[j] = 1;
+            if (sample(r, c)[j] > r->noise[j]) r->armed_low[j] = 1;
     }
 }
 
@@ -424,56 +345,116 @@ static int first_below(Run *r)
 {
     memcpy(r->armed_low, r->armed, (size_t)r->k);
     for (int c = 1; c < 5; c++) {
-        if (lowest(r, r->sample[c]) < 0) return c;
+        if (lowest(r, sample(r, c)) < 0) return c;
         for (i64 j = 0; j < r->k; j++)
-            if (r->sample[c][j] > r->noise[j]) r->armed_low[j] = 1;
+            if (sample(r, c)[j] > r->noise[j]) r->armed_low[j] = 1;
     }
     return 5;
 }
 
-/* Fourth difference of a guard over the step: what a cubic through the samples would miss. */
-static double roughness(const Run *r, i64 j)
+/*
+ * A guard over the step as smooth curves through its five samples: slipping, g = s*a; stuck,
+ * g = b - |a| with b the breakaway force. (g itself has a kink where a changes sign.) Curves are
+ * kept as Newton's forward differences: d[4] is what a cubic would miss.
+ */
+typedef struct {
+    double a[5], b[5], s;
+} Curve;
+
+static void difference(double *d)
 {
-    return fabs(r->sample[0][j] - 4 * r->sample[1][j] + 6 * r->sample[2][j] - 4 * r->sample[3][j]
-                + r->sample[4][j]);
+    for (int order = 1; order < 5; order++)
+        for (int c = 4; c >= order; c--) d[c] -= d[c - 1];
+}
+
+static Curve make_curve(const Run *r, i64 j)
+{
+    Curve curve = {.s = r->code[j]};
+    for (int c = 0; c < 5; c++) {
+        curve.a[c] = sample(r, c)[r->k + j];
+        curve.b[c] = curve.s != 0 ? 0 : sample(r, c)[j] + fabs(curve.a[c]);
+    }
+    difference(curve.a);
+    difference(curve.b);
+    return curve;
+}
+
+/* Value at z quarters of the step. */
+static double quartic(const double *d, double z)
+{
+    return d[0] + z * (d[1] + (z - 1) / 2 * (d[2] + (z - 2) / 3 * (d[3] + (z - 3) / 4 * d[4])));
+}
+
+static double on_curve(const Curve *c, double z)
+{
+    const double a = quartic(c->a, z);
+    return c->s != 0 ? c->s * a : quartic(c->b, z) - fabs(a);
+}
+
+static double roughness(const Curve *c) { return fabs(c->a[4]) + fabs(c->b[4]); }
+
+/* Bound of the second differences anywhere in the step. */
+static double bend(const Curve *c)
+{
+    double sum = 0;
+    for (int order = 2; order < 5; order++)
+        sum += (order - 1) * (fabs(c->a[order]) + fabs(c->b[order]));
+    return sum;
+}
+
+/* Where between two samples, in quarters of the step, a curve is lowest; 0 if at the ends. */
+static double lowest_inside(const Curve *curve, int from, int to, double *value)
+{
+    const double dz = 0.125;
+    int at = 8 * from;
+    double least = INFINITY;
+    for (int i = 8 * from; i <= 8 * to; i++) {
+        const double g = on_curve(curve, dz * i);
+        if (g < least) {
+            least = g;
+            at = i;
+        }
+    }
+    if (at == 8 * from || at == 8 * to) return 0;
+    const double left = on_curve(curve, dz * (at - 1)), right = on_curve(curve, dz * (at + 1));
+    const double tilt = 0.5 * (right - left), turn = left - 2 * least + right;
+    const double shift = turn > 0 ? tilt / turn : 0;
+    *value = least - 0.5 * tilt * shift;
+    return dz * (at - shift);
 }
 
 /*
- * A dip below zero between samples that are all above it: tried at the vertex of the parabola
- * through three samples where that may reach zero. Returns the fraction of the step, 0 if none, and
- * the sample before it.
+ * A dip below zero between samples before `first`, all above it: predicted from the curves, tried
+ * on the interpolant. Returns the fraction of the step and the sample before it; 0 if there is
+ * none; -1 where a guard wobbles so much that a dip could hide. (The state's error control does not
+ * see a force that depends on time alone while all is stuck.)
  */
-static double find_dip(Run *r, int before, int *low)
+static double find_dip(Run *r, int first, int *low)
 {
-    for (int c = 1; c < 4 && c < before; c++)
-        for (i64 j = 0; j < r->k; j++) {
-            const double left = r->sample[c - 1][j], g = r->sample[c][j], right = r->sample[c + 1][j];
-            if (!(left > r->noise[j] && g <= left && g <= right)) continue;
-            const double bend = left - 2 * g + right, tilt = 0.5 * (right - left);
-            if (!(bend > 0) || g - 0.5 * tilt * tilt / bend > 0.1 * roughness(r, j)) continue;
-            const double part = 0.25 * (c - tilt / bend);
-            arm_until(r, c - 1);
-            if (level_dense(r, part * r->h_used) < 0) {
-                *low = c - 1;
-                return part;
-            }
-        }
-    return 0;
-}
-
-/* Whether a guard wobbles so much between the samples that a dip below zero could hide there. */
-static int guards_unresolved(const Run *r)
-{
-    for (i64 j = 0; j < r->k; j++) {
-        double least = INFINITY, change = 0;
-        if (!r->armed[j]) continue;
-        for (int c = 0; c < 5; c++) least = smaller(least, r->sample[c][j]);
+    const i64 k = r->k;
+    double found = 0;
+    for (i64 j = 0; j < k; j++) {
+        const Curve curve = make_curve(r, j);
+        const double rough = roughness(&curve);
+        double least = INFINITY, change = 0, value = 0;
+        int from = 0;
+        while (from < first && !r->armed[j] && !(sample(r, from)[j] > r->noise[j])) from++;
+        for (int c = from; c < first; c++) least = smaller(least, sample(r, c)[j]);
         for (int c = 1; c < 5; c++)
-            change = larger(change, fabs(r->sample[c][j] - r->sample[c - 1][j]));
-        const double rough = roughness(r, j);
-        if (rough > 0.5 * change && rough > least) return 1;
+            change = larger(change, fabs(sample(r, c)[k + j] - sample(r, c - 1)[k + j]));
+        if (r->armed[j] && rough > 0.1 * change && rough > 0.1 * least
+            && r->halvings < MAX_HALVINGS)
+            return -1;
+        if (found > 0 || least > 0.25 * bend(&curve)) continue;
+        const double z = lowest_inside(&curve, from, first - 1, &value);
+        if (z == 0 || value > 0.1 * rough) continue;
+        arm_until(r, (int)z);
+        if (level_dense(r, 0.25 * z * r->h_used) < 0) {
+            *low = (int)z;
+            found = 0.25 * z;
+        }
     }
-    return 0;
+    return found;
 }
 
 enum { WHOLE, RETRY, TRUNCATED, EVENT };
@@ -487,40 +468,36 @@ enum { WHOLE, RETRY, TRUNCATED, EVENT };
 static int locate(Run *r, double h, double low, double high)
 {
     const double limit = high, tol = 2 * ulp(larger(fabs(r->t), fabs(r->t + h)));
-    double f_low = level_dense(r, low), f_high = level_dense(r, high), reach = 1e-6 * h;
-    if (f_low >= 0 && f_high < 0) narrow(r, level_dense, &low, f_low, &high, f_high, 1e-9 * h);
+    double f_low = level_dense(r, low), f_high = level_dense(r, high), reach = 1e-6 * h, slope = 0;
+    if (f_low >= 0 && f_high < 0) {
+        slope = (f_low - f_high) / (high - low);
+        narrow(r, level_dense, &low, f_low, &high, f_high, 1e-9 * h);
+    }
 
-    f_high = level_true(r, high);
-    if (f_high < 0) {
-        for (low = high; ; reach *= 32) {
-            low = larger(low - reach, 0);
-            if (low == 0) {
-                f_low = larger(lowest(r, r->sample[0]), 0);
-                break;
-            }
-            f_low = level_true(r, low);
-            if (f_low >= 0) break;
-            high = low;
-            f_high = f_low;
+    /* the interpolant's event lies close to the true one: reach for its other side */
+    double f = level_true(r, high);
+    if (slope > 0) reach = larger(4 * tol, smaller(reach, 4 * fabs(f) / slope));
+    if (f < 0) {
+        for (f_low = -1; f_low < 0; reach *= 32) {
+            f_high = f;
+            low = larger(high - reach, 0);
+            f_low = f = low > 0 ? level_true(r, low) : larger(lowest(r, sample(r, 0)), 0);
+            if (f < 0) high = low;
         }
     } else {
-        for (;; reach *= 32) {
-            low = high;
-            f_low = f_high;
-            high = smaller(low + reach, limit);
-            f_high = high > low ? level_true(r, high) : f_low;
-            if (f_high < 0) break;
+        for (f_high = 0; f_high >= 0; reach *= 32) {
             if (high >= limit) {
                 r->h_used = limit;
                 return TRUNCATED;
             }
+            low = high;
+            f_low = f;
+            high = smaller(low + reach, limit);
+            f_high = f = level_true(r, high);
         }
     }
     narrow(r, level_true, &low, f_low, &high, f_high, tol);
-    level_true(r, high);
-    for (i64 j = 0; j < r->k; j++)
-        r->fired[j] = r->probe[j] + (r->armed_low[j] ? 0 : r->noise[j]) < 0;
-    level_true(r, low);
+    if (r->reached != low) advance(r, low);
     r->h_used = low;
     return EVENT;
 }
@@ -529,18 +506,18 @@ static int locate(Run *r, double h, double low, double high)
 static int search(Run *r, double h)
 {
     const i64 k = r->k;
-    int low;
+    int low = 0;
     double part;
-    make_dense(r, h);
     r->h_used = h;
-    for (int c = 1; c < 4; c++) {
-        interpolate(r, 0.25 * c, r->n, r->stage);
-        guard(r, r->t + 0.25 * c * h, r->stage, r->sample[c]);
-    }
-    guard(r, r->t + h, r->x_new, r->sample[4]);
+    now(r)->inspect(&r->at, h);
 
     const int first = first_below(r);
-    if ((part = find_dip(r, first, &low)) > 0) {
+    if ((part = find_dip(r, first, &low)) < 0) {
+        r->halvings++;
+        r->h = 0.5 * h;
+        return RETRY;
+    }
+    if (part > 0) {
         ; /* armed_low is as at the sample before the dip */
     } else if (first < 5) {
         arm_until(r, first - 1);
@@ -549,7 +526,7 @@ static int search(Run *r, double h)
         for (i64 j = 0; j < k; j++) {
             /* It fell without ever having risen. Either the step was too long for the little that
              * it should have risen, or the last decision was wrong: first try shorter steps. */
-            const int suspicious = !r->armed_low[j] && r->sample[first][j] < -r->noise[j];
+            const int suspicious = !r->armed_low[j] && sample(r, first)[j] < -r->noise[j];
             if (suspicious && r->shrinks < MAX_SHRINKS && h > 1000 * ulp(r->t)) {
                 r->shrinks++;
                 r->h = 0.125 * h;
@@ -557,25 +534,20 @@ static int search(Run *r, double h)
             }
         }
     } else {
-        if (r->halvings < MAX_HALVINGS && guards_unresolved(r)) {
-            r->halvings++;
-            r->h = 0.5 * h;
-            return RETRY;
-        }
+        arm_until(r, 4);
         memcpy(r->armed, r->armed_low, (size_t)k);
         return WHOLE;
     }
 
     const int found = locate(r, h, 0.25 * low * h, part * h);
-    if (last_stage(r, r->h_used)) {
+    if (finish(r, r->h_used) < 0) {
         r->bad++;
         r->h = 0.25 * h;
         return RETRY;
     }
-    make_dense(r, r->h_used);
-    guard(r, r->t + r->h_used, r->x_new, r->sample[4]);
+    now(r)->inspect(&r->at, r->h_used);
     for (i64 j = 0; j < k; j++)
-        r->armed[j] = r->armed_low[j] || r->sample[4][j] > r->noise[j];
+        r->armed[j] = r->armed_low[j] || sample(r, 4)[j] > r->noise[j];
     return found;
 }
 
@@ -593,17 +565,19 @@ static i64 begin(Run *r)
     const i64 n = r->n;
     double zero = 0;
     lay_out(r);
+    r->at.t = r->t;
     memcpy(r->x, r->x0, (size_t)n * sizeof(double));
     r->x[n] = r->x[n + 1] = 0;
     r->t_begin = r->t;
     r->energy = fabs(r->energy0);
     for (i64 i = 0; i < n; i++) {
         zero += 0 * r->x[i];
-        r->floor[i] = larger(1e-3 * fabs(r->x[i]), 1e-7 * r->weights[i] * sqrt(2 * r->energy));
+        r->at.floor[i] = larger(1e-3 * fabs(r->x[i]), 1e-7 * r->weights[i] * sqrt(2 * r->energy));
     }
     r->knot = -1;
     while (r->knot + 1 < r->n_knots && r->knots[r->knot + 1] <= r->t) r->knot++;
-    r->error_old = 1e-4;
+    set_inputs(r);
+    r->log_error = log(1e-4);
     r->phase = CLASSIFY;
     return zero != 0 ? conclude(r, NON_FINITE) : CONTINUE;
 }
@@ -629,10 +603,10 @@ static void put_row(Run *r, double t, const double *x)
 static i64 release(Run *r)
 {
     for (;;) {
-        const i64 mode = find_mode(r, r->next);
+        const Mode *mode = find_mode(r, r->next);
         i64 worst = -1;
         double most = 0;
-        if (mode < 0) return NEED_MODE;
+        if (!mode) return NEED_MODE;
         measure(r, mode, r->next, r->probe, r->probe_noise);
         for (i64 j = 0; j < r->k; j++) {
             const double g = r->probe[j], load = fabs(r->probe[r->k + j]);
@@ -678,26 +652,34 @@ static i64 adopt(Run *r)
 
 /*
  * Codes from the slips themselves, at the start and where an input jumped: the mode without any
- * stick gives every slip. A slip of rounding size is a stick, if the breakaway force holds it.
+ * stick gives every slip. A slip of rounding size is a stick, if the breakaway force holds it; so
+ * is one that stuck and that the jump does not move.
  */
 static i64 classify(Run *r)
 {
-    const i64 k = r->k;
-    i64 status;
-    memset(r->next, 1, (size_t)k);
+    const i64 k = r->k, knot = r->knot;
     if (k) {
-        const i64 mode = find_mode(r, r->next);
-        if (mode < 0) return NEED_MODE;
+        double *slip = r->probe + k, *before = sample(r, 1) + k;
+        memset(r->next, 1, (size_t)k);
+        const Mode *mode = find_mode(r, r->next);
+        if (!mode) return NEED_MODE;
+        if (r->started) {
+            r->knot = knot - 1;
+            set_inputs(r);
+            measure(r, mode, r->next, sample(r, 1), r->probe_noise);
+            r->knot = knot;
+            set_inputs(r);
+        }
         measure(r, mode, r->next, r->probe, r->probe_noise);
         for (i64 j = 0; j < k; j++) {
-            const double slip = r->probe[k + j];
-            if (!isfinite(slip)) return conclude(r, NON_FINITE);
-            /* 150 times the rounding of one evaluation: what a long stick may have gathered */
-            const int still = fabs(slip) <= 150 * r->probe_noise[k + j];
-            r->next[j] = (signed char)(still ? 0 : sign(slip));
+            if (!isfinite(slip[j])) return conclude(r, NON_FINITE);
+            const int stuck = r->started && r->code[j] == 0;
+            const double speed = fabs(stuck ? slip[j] - before[j] : slip[j]);
+            r->fresh[j] = speed <= 64 * r->probe_noise[k + j];
+            r->next[j] = (signed char)(r->fresh[j] ? 0 : sign(slip[j]));
         }
-        if ((status = release(r)) != CONTINUE)
-            return status == NON_FINITE ? conclude(r, status) : status;
+        const i64 status = release(r);
+        if (status != CONTINUE) return status == NON_FINITE ? conclude(r, status) : status;
     }
     return adopt(r);
 }
@@ -706,7 +688,7 @@ static i64 classify(Run *r)
 static i64 settle(Run *r)
 {
     const i64 k = r->k;
-    const double *g = r->sample[0], *force = g + k;
+    const double *g = sample(r, 0), *force = g + k;
     int early = 0;
     for (i64 j = 0; j < k; j++) {
         const int slips = r->code[j] != 0;
@@ -714,6 +696,7 @@ static i64 settle(Run *r)
         r->next[j] = r->code[j];
         if (r->fired[j] && !slips) r->next[j] = (signed char)sign(force[j]);
         if ((r->fired[j] || rests) && slips) r->next[j] = 0;
+        r->fresh[j] = r->fired[j] || rests || !slips;
         early |= r->fired[j] && !r->armed_low[j];
     }
     const i64 status = release(r);
@@ -737,23 +720,25 @@ static i64 settle(Run *r)
 static i64 restart(Run *r)
 {
     double zero = 0;
-    const i64 mode = find_mode(r, r->code);
-    if (mode < 0) return NEED_MODE;
-    r->mode = mode;
-    const int failed = rhs(r, r->t, r->x, r->K[0]);
-    for (i64 i = 0; i < r->n + 2; i++) zero += 0 * r->K[0][i];
+    const Mode *mode = find_mode(r, r->code);
+    if (!mode) return NEED_MODE;
+    r->mode = mode - r->modes;
+    const int failed = rhs(r, r->t, r->x, r->slope);
+    for (i64 i = 0; i < r->n + 2; i++) zero += 0 * r->slope[i];
     if (failed || zero != 0) return conclude(r, NON_FINITE);
     if (r->k) {
-        measure(r, mode, r->code, r->sample[0], r->noise);
+        measure(r, mode, r->code, sample(r, 0), r->noise);
         for (i64 j = 0; j < r->k; j++) {
-            /* what was settled here holds, even where it is a rounding error on the wrong side */
-            r->noise[j] = larger(r->noise[j], -2 * r->sample[0][j]);
-            r->armed[j] = r->sample[0][j] > r->noise[j];
+            /* The slip of a switch that starts to slip is zero, but for rounding (gathered over
+             * a whole stick). What was settled holds even where rounding says otherwise. */
+            const double g = sample(r, 0)[j], off = r->code[j] && r->fresh[j] ? fabs(g) : -g;
+            r->noise[j] = larger(r->noise[j], 1.1 * off);
+            r->armed[j] = sample(r, 0)[j] > r->noise[j];
         }
     }
     if (!r->keep_step) {
         first_step(r);
-        r->error_old = 1e-4;
+        r->log_error = log(1e-4);
     }
     r->keep_step = 0;
     r->bad = r->shrinks = r->halvings = r->after_rejection = 0;
@@ -764,13 +749,14 @@ static i64 restart(Run *r)
 /* Proposal for the step after one of length h with error `error`. */
 static void control(Run *r, double h, double error, int clipped)
 {
-    const double slowed = pow(error, 0.2 - 0.75 * BETA) / pow(r->error_old, BETA);
+    const double log_error = log(larger(error, DBL_MIN));
+    const double slowed = exp((0.2 - 0.75 * BETA) * log_error - BETA * r->log_error);
     const double factor = larger(1 / FAC_MAX, smaller(1 / FAC_MIN, slowed / SAFETY));
     double next = h / factor;
     if (r->after_rejection) next = smaller(next, h);
     else if (clipped) next = larger(next, r->h);
     r->h = next;
-    r->error_old = larger(error, 1e-4);
+    r->log_error = larger(log_error, log(1e-4));
     r->after_rejection = 0;
 }
 
@@ -803,9 +789,9 @@ static i64 step(Run *r)
     if (clipped) h = stop - r->t;
     else if (!(h > 10 * ulp(r->t))) return conclude(r, r->bad ? NON_FINITE : STEP_UNDERFLOW);
 
-    if (stages(r, h) || last_stage(r, h)) return step_was_bad(r, h);
-    const double error = error_norm(r, h);
-    if (!(error <= 1)) {
+    const double error = advance(r, h) ? -1 : finish(r, h);
+    if (!(error >= 0)) return step_was_bad(r, h);
+    if (error > 1) {
         r->rejected++;
         r->after_rejection = 1;
         r->h = h / smaller(1 / FAC_MIN, pow(error, 0.2) / SAFETY);
@@ -815,7 +801,7 @@ static i64 step(Run *r)
         if (fabs(r->x_new[i]) > r->bound) return conclude(r, DIVERGED);
 
     r->h_used = h;
-    r->dense_ready = 0;
+    r->dense_ready = r->k > 0;
     r->event_pending = 0;
     if (r->k) {
         const int found = search(r, h);
@@ -832,28 +818,21 @@ static i64 step(Run *r)
     return CONTINUE;
 }
 
-static void swap(double **a, double **b)
-{
-    double *kept = *a;
-    *a = *b;
-    *b = kept;
-}
-
 /* The end of the step becomes the present point. */
 static void commit(Run *r)
 {
     const i64 n = r->n;
     int all_armed = 1;
-    swap(&r->x, &r->x_new);
-    swap(&r->K[0], &r->K[6]);
-    swap(&r->sample[0], &r->sample[4]);
-    r->t = r->t_new;
+    memcpy(r->x, r->x_new, (size_t)(n + 2) * sizeof(double));
+    memcpy(r->slope, r->slope + 6 * (n + 2), (size_t)(n + 2) * sizeof(double));
+    memcpy(sample(r, 0), sample(r, 4), 2 * (size_t)r->k * sizeof(double));
+    r->t = r->at.t = r->t_new;
     r->steps++;
     r->bad = r->halvings = 0;
     r->energy = larger(r->energy, fabs(r->energy0 + r->x[n] - r->x[n + 1]));
     const double amplitude = 1e-7 * sqrt(2 * r->energy);
     for (i64 i = 0; i < n; i++)
-        r->floor[i] = larger(r->floor[i], larger(1e-3 * fabs(r->x[i]), r->weights[i] * amplitude));
+        r->at.floor[i] = larger(r->at.floor[i], larger(1e-3 * fabs(r->x[i]), r->weights[i] * amplitude));
     for (i64 j = 0; j < r->k; j++) all_armed &= r->armed[j];
     if (all_armed) r->shrinks = r->futile = 0;
 }
@@ -864,7 +843,8 @@ static i64 emit(Run *r)
     if (r->t_eval) {
         while (r->next_eval < r->n_eval && r->t_eval[r->next_eval] < r->t_new) {
             if (row_missing(r)) return ROWS_FULL;
-            if (!r->dense_ready) make_dense(r, r->h_used);
+            if (!r->dense_ready) now(r)->inspect(&r->at, r->h_used);
+            r->dense_ready = 1;
             put_row(r, r->t_eval[r->next_eval++], NULL);
         }
     } else {
@@ -882,6 +862,7 @@ static i64 cross_knot(Run *r)
 {
     const i64 m = r->m, i = ++r->knot;
     int jump = 0;
+    set_inputs(r);
     for (i64 c = 0; c < m; c++)
         if (!r->hold[c] && i > 0) jump |= r->values[i * m + c] != r->values[(i - 1) * m + c];
     r->keep_step = jump;
@@ -889,7 +870,7 @@ static i64 cross_knot(Run *r)
     return CONTINUE;
 }
 
-static i64 finish(Run *r)
+static i64 last_rows(Run *r)
 {
     while (r->t_eval && r->next_eval < r->n_eval && r->t_eval[r->next_eval] <= r->t) {
         if (row_missing(r)) return ROWS_FULL;
@@ -901,9 +882,11 @@ static i64 finish(Run *r)
 i64 halfarrow_advance(Run *r)
 {
     static i64 (*const PHASES[])(Run *) = {
-        begin, classify, restart, step, emit, settle, cross_knot, finish,
+        begin, classify, restart, step, emit, settle, cross_knot, last_rows,
     };
     const double entered = seconds();
+    r->at.iw = r->iw; /* the caller may have moved them for a larger mode */
+    r->at.w = r->w;
     for (i64 turn = 1;; turn++) {
         i64 status = PHASES[r->phase](r);
         if (status == CONTINUE && turn % 64 == 0 && seconds() - entered > r->slice) status = PAUSED;

@@ -6,26 +6,26 @@ on compiled modes, or by its Python twin in ``stepper.py`` on CasADi's virtual m
 
 from __future__ import annotations
 
-import ctypes
 import logging
 import math
 import threading
-import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 
-from bondgraph.errors import SimulationError
-from bondgraph.simulation import native
-from bondgraph.simulation.outcome import Outcome
-from bondgraph.simulation.stepper import Stepper
+from ..errors import SimulationError
+from . import native
+from .outcome import Outcome
+from .stepper import Stepper
 
 if TYPE_CHECKING:
+    import ctypes
+
     import casadi as ca
 
-    from bondgraph.simulation.stepper import Model
+    from .stepper import Model
 
 __all__ = [
     "Event",
@@ -41,7 +41,6 @@ __all__ = [
 log = logging.getLogger(__name__)
 
 Array = np.ndarray
-LONGEST_PAUSE = 0.05  # s between two looks at the clock and at Ctrl-C
 MAX_SWITCHES = 63
 
 
@@ -76,6 +75,11 @@ class ModeTable:
         Numbers of states, inputs and switches.
     provider : callable
         mask -> `ModeFunctions`; bit j of the mask says that switch j is stuck.
+
+    Attributes
+    ----------
+    refusal : str or None
+        Why the model cannot run as compiled C, once that was tried.
     """
 
     def __init__(self, n: int, m: int, k: int, provider: Callable[[int], ModeFunctions]) -> None:
@@ -86,7 +90,7 @@ class ModeTable:
         self._functions: dict[int, ModeFunctions] = {}
         self._native: dict[int, native.NativeMode] = {}
         self._driver: ctypes.CDLL | None = None
-        self._refused: str | None = None
+        self.refusal: str | None = None
         self._lock = threading.RLock()
 
     def functions(self, mask: int) -> ModeFunctions:
@@ -104,12 +108,14 @@ class ModeTable:
             return ModeFunctions(rhs)
         return ModeFunctions(rhs, _dense(mode.guard, 2 * self.k, f"guard of mode {mask}"))
 
-    def native(self, mask: int) -> native.NativeMode:
+    def machine_code(self, mask: int) -> native.NativeMode:
         """The same, as compiled C; raises CompileError."""
         with self._lock:
             if mask not in self._native:
                 mode = self.functions(mask)
-                self._native[mask] = native.load_mode(mode.rhs, mode.guard)
+                self._native[mask] = native.load_mode(
+                    mode.rhs, mode.guard, (self.n, self.m, self.k)
+                )
             return self._native[mask]
 
     def driver(self) -> ctypes.CDLL:
@@ -127,16 +133,16 @@ class ModeTable:
     def compiled(self) -> bool:
         """Whether the model can run as compiled C; says once why where it cannot."""
         with self._lock:
-            if self._refused is None and not self._native:
+            if self.refusal is None and not self._native:
                 try:
                     if not _is_casadi(self.functions(0).rhs):
                         raise native.CompileError("the model is given as Python functions")
                     self.driver()
-                    self.native(0)
+                    self.machine_code(0)
                 except native.CompileError as failure:
-                    self._refused = str(failure)
+                    self.refusal = str(failure)
                     log.warning("simulating without compiled code, slower: %s", failure)
-            return self._refused is None
+            return self.refusal is None
 
 
 @dataclass(frozen=True, eq=False)
@@ -369,7 +375,7 @@ def _native_wanted(problem: Problem, options: Options) -> bool:
     callable_input = problem.inputs is not None and not isinstance(problem.inputs, InputTable)
     possible = not callable_input and problem.modes.compiled()
     if options.backend == "native" and not possible:
-        reason = "an input is a Python function" if callable_input else problem.modes._refused
+        reason = "an input is a Python function" if callable_input else problem.modes.refusal
         raise SimulationError(f"no compiled run possible: {reason}")
     return possible
 
@@ -414,8 +420,8 @@ def _evaluator(function: Any) -> Model:
     arguments = [np.zeros(function.nnz_in(i)) for i in range(5)]
     result = np.zeros(function.nnz_out(0))
     for i, argument in enumerate(arguments):
-        buffer.set_arg(i, memoryview(argument))
-    buffer.set_res(0, memoryview(result))
+        buffer.set_arg(i, argument.data)
+    buffer.set_res(0, result.data)
     t_, x_, u_, p_, s_ = arguments
 
     def evaluate(t: float, x: Array, u: Array, p: Array, s: Array) -> Array:
@@ -430,145 +436,8 @@ def _evaluator(function: Any) -> Model:
 # ---------------------------------------------------------------------- compiled
 
 
-class _Mode(ctypes.Structure):
-    """`Mode` of driver.c."""
-
-    _fields_ = (
-        ("stuck", ctypes.c_ulonglong),
-        ("rhs", ctypes.c_void_p),
-        ("guard", ctypes.c_void_p),
-        ("rhs_memory", ctypes.c_longlong),
-        ("guard_memory", ctypes.c_longlong),
-    )
-
-
-_SIZES = ["n", "m", "k", "n_knots", "n_eval", "n_modes", "row_capacity", "event_capacity", "max_steps", "max_events"]
-_NUMBERS = ["t_end", "rtol", "max_step", "bound", "energy0", "slice"]
-_POINTERS = ["x0", "parameters", "atol", "weights", "knots", "values", "t_eval", "hold", "modes", "arg", "res", "iw", "w", "rows", "row_codes", "events", "event_codes", "x_end", "code", "work", "flags"]
-_COUNTS = ["row_count", "event_count", "steps", "rejected", "evaluations"]
-
-
-class _Run(ctypes.Structure):
-    """The public part of `Run` of driver.c."""
-
-    _fields_ = (
-        *((name, ctypes.c_longlong) for name in _SIZES),
-        *((name, ctypes.c_double) for name in _NUMBERS),
-        *((name, ctypes.c_void_p) for name in _POINTERS),
-        ("t", ctypes.c_double),
-        *((name, ctypes.c_longlong) for name in _COUNTS),
-        ("wanted", ctypes.c_ulonglong),
-    )
-
-
-_NEED_MODE, _ROWS_FULL, _EVENTS_FULL, _PAUSED, _FIRST_OUTCOME = range(1, 6)
-_OUTCOMES = (
-    Outcome.FINISHED,
-    Outcome.EVENT_LIMIT,
-    Outcome.CHATTERING,
-    Outcome.STEP_UNDERFLOW,
-    Outcome.STEP_LIMIT,
-    Outcome.NON_FINITE,
-    Outcome.DIVERGED,
-)
-
-
-class _NativeRun:
-    """One run of driver.c: its memory, and the service it asks for."""
-
-    def __init__(self, problem: Problem, options: Options) -> None:
-        self.table, n, k = problem.modes, problem.modes.n, problem.modes.k
-        self.driver = self.table.driver()
-        self.memory = ctypes.create_string_buffer(self.driver.halfarrow_run_size())
-        self.run = run = _Run.from_buffer(self.memory)
-        self.kept: dict[str, Any] = {}
-        _, knots, values, linear = problem.input_table()
-        t_eval = options.t_eval
-        run.n, run.m, run.k, run.n_knots = n, problem.modes.m, k, len(knots)
-        run.n_eval = 0 if t_eval is None else len(t_eval)
-        run.max_steps, run.max_events = options.max_steps, options.max_events
-        run.t, run.t_end = problem.t_span
-        run.rtol, run.max_step, run.bound = options.rtol, options.max_step, options.bound
-        run.energy0 = problem.energy0
-        self.point("x0", problem.x0)
-        self.point("parameters", problem.parameters)
-        self.point("atol", np.full(n, options.atol) if np.ndim(options.atol) == 0 else _doubles(options.atol))
-        self.point("weights", problem.weights_or_zero())
-        self.point("knots", knots)
-        self.point("values", values)
-        self.point("hold", linear.view(np.int8))
-        if t_eval is not None:
-            self.point("t_eval", t_eval if len(t_eval) else np.zeros(1))
-        self.point("work", np.empty(self.driver.halfarrow_work_size(n, run.m, k)))
-        self.point("flags", np.empty(self.driver.halfarrow_flag_size(k) + 1, dtype=np.int8))
-        self.point("x_end", np.empty(n + 2))
-        self.point("code", np.zeros(k + 1, dtype=np.int8))
-        self.make_room_for_rows(4096 if t_eval is None else len(t_eval))
-        self.make_room_for_events(256 if k else 0)
-        self.show_modes()
-
-    def point(self, field: str, array: Array) -> None:
-        """Let a field of the struct point to an array, and keep that alive."""
-        self.kept[field] = array
-        setattr(self.run, field, array.ctypes.data)
-
-    def make_room_for_rows(self, capacity: int) -> None:
-        """Rows for the driver to fill, those filled already kept."""
-        rows = np.empty((capacity, self.run.n + 3))
-        codes = np.empty((capacity, self.run.k), dtype=np.int8)
-        if used := self.run.row_count:
-            rows[:used], codes[:used] = self.kept["rows"][:used], self.kept["row_codes"][:used]
-        self.point("rows", rows)
-        self.point("row_codes", codes)
-        self.run.row_capacity = capacity
-
-    def make_room_for_events(self, capacity: int) -> None:
-        """Events for the driver to fill, those filled already kept."""
-        events = np.empty((capacity, self.run.n + 3))
-        codes = np.empty((capacity, 3), dtype=np.int64)
-        if used := self.run.event_count:
-            events[:used], codes[:used] = self.kept["events"][:used], self.kept["event_codes"][:used]
-        self.point("events", events)
-        self.point("event_codes", codes)
-        self.run.event_capacity = capacity
-
-    def show_modes(self) -> None:
-        """Tell the driver all modes loaded so far."""
-        loaded = self.table.loaded()
-        modes = (_Mode * len(loaded))(
-            *((mask, f.rhs, f.guard, f.rhs_memory, f.guard_memory) for mask, f in loaded.items())
-        )
-        self.kept["modes"] = modes, list(loaded.values())
-        self.run.modes, self.run.n_modes = ctypes.addressof(modes), len(modes)
-        arg, res, iw, w = np.max([f.sizes for f in loaded.values()], axis=0)
-        self.point("arg", np.zeros(arg, dtype=np.intp))
-        self.point("res", np.zeros(res, dtype=np.intp))
-        self.point("iw", np.empty(iw + 1, dtype=np.int64))
-        self.point("w", np.empty(w + 1))
-
-    def to_the_end(self, time_budget: float) -> Outcome:
-        """Advance, serving what the driver asks for, until it has an outcome."""
-        deadline = time.monotonic() + time_budget
-        advance, run, address = self.driver.halfarrow_advance, self.run, ctypes.addressof(self.memory)
-        while True:
-            left = deadline - time.monotonic()
-            if left <= 0:
-                return Outcome.TIME_BUDGET
-            run.slice = min(LONGEST_PAUSE, left)
-            status = advance(address)
-            if status >= _FIRST_OUTCOME:
-                return _OUTCOMES[status - _FIRST_OUTCOME]
-            if status == _NEED_MODE:
-                self.table.native(run.wanted)
-                self.show_modes()
-            elif status == _ROWS_FULL:
-                self.make_room_for_rows(2 * run.row_capacity)
-            elif status == _EVENTS_FULL:
-                self.make_room_for_events(2 * run.event_capacity + run.k)
-
-
 def _integrate_native(problem: Problem, options: Options) -> Solution:
-    this = _NativeRun(problem, options)
+    this = native.NativeRun(problem, options)
     outcome = this.to_the_end(options.time_budget)
     run, kept, n = this.run, this.kept, problem.modes.n
     events = kept["events"][: run.event_count]

@@ -1,4 +1,4 @@
-"""C compiled once and kept: find a compiler, build shared objects, load CasADi's code.
+"""Compiled C: find a compiler, build and keep shared objects, run ``driver.c`` on them.
 
 A shared object is kept on disk under a hash of everything that decides its content, so a model's
 structure is compiled once per machine. Set ``HALFARROW_CACHE`` to move the folder (by default
@@ -15,22 +15,44 @@ import platform
 import shutil
 import subprocess
 import tempfile
+import time
 from importlib import resources
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-from bondgraph.errors import BondGraphError
+import numpy as np
+
+from ..errors import BondGraphError
+from .outcome import Outcome
 
 if TYPE_CHECKING:
     import casadi as ca
 
-__all__ = ["CompileError", "NativeMode", "find_compiler", "load_driver", "load_mode", "load_shared"]
+    from .hybrid import Options, Problem
+
+__all__ = [
+    "CompileError",
+    "NativeMode",
+    "NativeRun",
+    "find_compiler",
+    "load_driver",
+    "load_mode",
+    "load_shared",
+]
 
 log = logging.getLogger(__name__)
 
-# Values must not depend on the optimiser's mood: never -ffast-math.
-FLAGS = ("-O2", "-std=gnu11", "-fno-math-errno", "-fPIC", "-shared")
-LARGE_SOURCE = 500_000  # beyond this many characters gcc's -O2 takes minutes, -O1 seconds
+LONGEST_PAUSE = 0.05  # s between two looks at the clock and at Ctrl-C
+
+# Values must not depend on the optimiser's mood or the processor: no -ffast-math, and no fused
+# multiply-add, so that C, the Python twin and other machines give the same bits (at 5 % of speed).
+FLAGS = ("-std=gnu11", "-ffp-contract=off", "-fno-math-errno", "-fPIC", "-shared")
+# A model of a few states is a chain of dependent scalars: packing them into vectors only adds moves.
+SMALL_SOURCE, SMALL_FLAGS = 30_000, ("-O3", "-fno-tree-vectorize")
+MEDIUM_FLAGS = ("-O2",)
+# Beyond this many characters gcc's -O2 takes minutes, -O1 seconds.
+LARGE_SOURCE, LARGE_FLAGS = 500_000, ("-O1",)
+KERNEL = ("rhs", "guard", "advance", "finish", "inspect")  # functions of kernel.c, as in its Mode
 
 
 class CompileError(BondGraphError):
@@ -42,13 +64,10 @@ class CompileError(BondGraphError):
 
 
 class NativeMode(NamedTuple):
-    """One mode's functions in memory: addresses, CasADi memory slots, work sizes."""
+    """One mode's kernel in memory: addresses of its functions, work sizes of the model."""
 
-    rhs: int
-    guard: int
-    rhs_memory: int
-    guard_memory: int
-    sizes: tuple[int, int, int, int]  # of arg, res, iw, w
+    functions: dict[str, int]
+    sizes: tuple[int, int]  # of iw, w
     library: ctypes.CDLL  # keeps the addresses valid
 
 
@@ -65,7 +84,7 @@ def find_compiler() -> str | None:
     return None
 
 
-def load_shared(source: str, name: str) -> ctypes.CDLL:
+def load_shared(source: str, name: str, flags: tuple[str, ...] = MEDIUM_FLAGS) -> ctypes.CDLL:
     """The shared object of a C source, from the cache or compiled now.
 
     Safe against concurrent writers (files appear whole) and against damaged files (each carries
@@ -77,6 +96,8 @@ def load_shared(source: str, name: str) -> ctypes.CDLL:
         One C translation unit.
     name : str
         For people who look into the cache.
+    flags : tuple of str
+        For the compiler, beside those always given.
 
     Raises
     ------
@@ -86,7 +107,8 @@ def load_shared(source: str, name: str) -> ctypes.CDLL:
     compiler = find_compiler()
     if compiler is None:
         raise CompileError("no C compiler found: install gcc or clang, or set CC")
-    folder = _cache_folder() / _key(source, compiler)
+    flags += FLAGS
+    folder = _cache_folder() / _key(source, compiler, flags)
     for kept in _intact(folder):
         try:
             return ctypes.CDLL(str(kept))
@@ -94,7 +116,7 @@ def load_shared(source: str, name: str) -> ctypes.CDLL:
             log.warning("%s cannot be loaded and is built again: %s", kept, failure)
             kept.unlink(missing_ok=True)
     with tempfile.TemporaryDirectory(prefix="halfarrow-") as scratch:
-        built = _compile(compiler, source, Path(scratch))
+        built = _compile(compiler, source, flags, Path(scratch))
         try:
             return ctypes.CDLL(str(_keep(built, folder, name)))
         except OSError as failure:
@@ -104,8 +126,7 @@ def load_shared(source: str, name: str) -> ctypes.CDLL:
 
 def load_driver() -> ctypes.CDLL:
     """The integrator of ``driver.c``."""
-    source = resources.files(__package__).joinpath("driver.c").read_text(encoding="utf-8")
-    library = load_shared(source, "driver")
+    library = load_shared(_own("kernel.c") + _own("driver.c"), "driver")
     for name, arguments in (
         ("halfarrow_advance", [ctypes.c_void_p]),
         ("halfarrow_work_size", [ctypes.c_longlong] * 3),
@@ -118,38 +139,64 @@ def load_driver() -> ctypes.CDLL:
     return library
 
 
-def load_mode(rhs: ca.Function, guard: ca.Function | None) -> NativeMode:
-    """Two CasADi functions as generated and compiled C.
+def load_mode(
+    rhs: ca.Function, guard: ca.Function | None, sizes: tuple[int, int, int]
+) -> NativeMode:
+    """Compile the steps of one mode: CasADi's C for its functions, and ``kernel.c`` around it.
 
     Parameters
     ----------
     rhs, guard : casadi.Function
         With different names and one dense result each; `guard` may be None.
+    sizes : (int, int, int)
+        Numbers of states, inputs and switches.
     """
+    model, macros = _model_source(rhs, guard, sizes)
+    flags = LARGE_FLAGS if len(model) > LARGE_SOURCE else MEDIUM_FLAGS
+    if len(model) < SMALL_SOURCE:
+        flags = SMALL_FLAGS
+    macros["SMALL"] = str(int(flags == SMALL_FLAGS))
+    source = (
+        # Everything of CasADi's becomes static, to be taken into the kernel or dropped.
+        "#define CASADI_SYMBOL_EXPORT static inline __attribute__((unused))\n",
+        model,
+        *(f"#define {name} {value}\n" for name, value in macros.items()),
+        _own("kernel.c"),
+    )
+    library = load_shared("".join(source), rhs.name(), flags)
+    address = {name: _address(library, f"mode_{name}") for name in KERNEL}
+    functions = [f for f in (rhs, guard) if f is not None]
+    iw, w = (
+        max(column) for column in zip(*((f.sz_iw(), f.sz_w()) for f in functions), strict=True)
+    )
+    return NativeMode(address, (iw, w), library)
+
+
+def _model_source(
+    rhs: ca.Function, guard: ca.Function | None, sizes: tuple[int, int, int]
+) -> tuple[str, dict[str, str]]:
+    """CasADi's C for a mode, and the macros that tell ``kernel.c`` its names and sizes."""
     import casadi as ca
 
-    functions = [f for f in (rhs, guard) if f is not None]
     generator = ca.CodeGenerator("mode", {"with_header": False})
-    for function in functions:
-        generator.add(function)
-    library = load_shared(generator.dump(), rhs.name())
+    macros = dict(zip("NMK", map(str, sizes), strict=True))
+    for role, function in (("RHS", rhs), ("GUARD", guard)):
+        if function is not None:
+            generator.add(function)
+            macros[role] = function.name()
+            macros[f"{role}_CHECKOUT"] = f"{function.name()}_checkout"
+            macros[f"{role}_RELEASE"] = f"{function.name()}_release"
+            macros[f"{role}_ARG"] = str(function.sz_arg())
+            macros[f"{role}_RES"] = str(function.sz_res())
+    return generator.dump(), macros
 
-    def slot(function: ca.Function) -> int:
-        return int(getattr(library, f"{function.name()}_checkout")())
 
-    def address(function: ca.Function) -> int:
-        return ctypes.cast(getattr(library, function.name()), ctypes.c_void_p).value or 0
+def _own(file: str) -> str:
+    return resources.files(__package__).joinpath(file).read_text(encoding="utf-8")
 
-    sizes = [(f.sz_arg(), f.sz_res(), f.sz_iw(), f.sz_w()) for f in functions]
-    arg, res, iw, w = (max(column) for column in zip(*sizes, strict=True))
-    return NativeMode(
-        rhs=address(rhs),
-        guard=address(guard) if guard is not None else 0,
-        rhs_memory=slot(rhs),
-        guard_memory=slot(guard) if guard is not None else 0,
-        sizes=(arg, res, iw, w),
-        library=library,
-    )
+
+def _address(library: ctypes.CDLL, name: str) -> int:
+    return ctypes.cast(getattr(library, name), ctypes.c_void_p).value or 0
 
 
 def _cache_folder() -> Path:
@@ -163,12 +210,12 @@ def _cache_folder() -> Path:
         return Path(os.devnull) / "halfarrow"
 
 
-def _key(source: str, compiler: str) -> str:
+def _key(source: str, compiler: str, flags: tuple[str, ...]) -> str:
     """Hash of what decides the machine code: source, flags, compiler, processor."""
     # A compiler's version is read from its file: `cc --version` would cost more than the loading.
     binary = Path(compiler).resolve()
     stat = binary.stat()
-    parts = (source, *FLAGS, str(binary), str(stat.st_size), str(stat.st_mtime_ns), _processor())
+    parts = (source, *flags, str(binary), str(stat.st_size), str(stat.st_mtime_ns), _processor())
     return hashlib.blake2b("\0".join(parts).encode(), digest_size=16).hexdigest()
 
 
@@ -206,11 +253,8 @@ def _digest(file: Path) -> str:
     return hashlib.blake2b(file.read_bytes(), digest_size=16).hexdigest()
 
 
-def _compile(compiler: str, source: str, folder: Path) -> Path:
+def _compile(compiler: str, source: str, flags: tuple[str, ...], folder: Path) -> Path:
     (folder / "source.c").write_text(source, encoding="utf-8")
-    flags = [*FLAGS]
-    if len(source) > LARGE_SOURCE:
-        flags[0] = "-O1"
     said = ""
     for tuned in (["-march=native"], []):  # not every compiler knows it on every processor
         command = [compiler, *flags, *tuned, "-o", "built.so", "source.c", "-lm"]
@@ -237,3 +281,157 @@ def _keep(built: Path, folder: Path, name: str) -> Path:
         Path(part).unlink(missing_ok=True)
         raise
     return kept
+
+
+# ---------------------------------------------------------------------- running driver.c
+
+
+class _Mode(ctypes.Structure):
+    """`Mode` of kernel.c."""
+
+    _fields_ = (("stuck", ctypes.c_ulonglong), *((name, ctypes.c_void_p) for name in KERNEL))
+
+
+def _fields(kind: Any, names: str) -> list[tuple[str, Any]]:
+    return [(name, kind) for name in names.split()]
+
+
+class _Run(ctypes.Structure):
+    """The public part of `Run` of driver.c."""
+
+    _fields_ = (
+        *_fields(ctypes.c_longlong, "n m k n_knots n_eval n_modes row_capacity event_capacity"),
+        *_fields(ctypes.c_longlong, "max_steps max_events"),
+        *_fields(ctypes.c_double, "t_end rtol max_step bound energy0 slice"),
+        *_fields(ctypes.c_void_p, "x0 parameters atol weights knots values t_eval hold modes"),
+        *_fields(ctypes.c_void_p, "iw w rows row_codes events event_codes x_end code"),
+        *_fields(ctypes.c_void_p, "work flags"),
+        *_fields(ctypes.c_double, "t"),
+        *_fields(ctypes.c_longlong, "row_count event_count steps rejected evaluations"),
+        *_fields(ctypes.c_ulonglong, "wanted"),
+    )
+
+
+# What halfarrow_advance returns, in the order of driver.c.
+_NEED_MODE, _ROWS_FULL, _EVENTS_FULL, _PAUSED, _FIRST_OUTCOME = range(1, 6)
+_OUTCOMES = (
+    Outcome.FINISHED,
+    Outcome.EVENT_LIMIT,
+    Outcome.CHATTERING,
+    Outcome.STEP_UNDERFLOW,
+    Outcome.STEP_LIMIT,
+    Outcome.NON_FINITE,
+    Outcome.DIVERGED,
+)
+
+
+class NativeRun:
+    """One run of driver.c: its memory, and the service it asks for.
+
+    Parameters
+    ----------
+    problem, options
+        As for `hybrid.integrate`, checked already.
+    """
+
+    def __init__(self, problem: Problem, options: Options) -> None:
+        self.table, n, k = problem.modes, problem.modes.n, problem.modes.k
+        self.driver = self.table.driver()
+        self.memory = ctypes.create_string_buffer(self.driver.halfarrow_run_size())
+        self.run = run = _Run.from_buffer(self.memory)
+        self.kept: dict[str, Any] = {}
+        _, knots, values, linear = problem.input_table()
+        t_eval = options.t_eval
+        run.n, run.m, run.k, run.n_knots = n, problem.modes.m, k, len(knots)
+        run.n_eval = 0 if t_eval is None else len(t_eval)
+        run.max_steps, run.max_events = options.max_steps, options.max_events
+        run.t, run.t_end = problem.t_span
+        run.rtol, run.max_step, run.bound = options.rtol, options.max_step, options.bound
+        run.energy0 = problem.energy0
+        self.point("x0", problem.x0)
+        self.point("parameters", problem.parameters)
+        self.point(
+            "atol",
+            np.full(n, options.atol)
+            if np.ndim(options.atol) == 0
+            else np.ascontiguousarray(options.atol, dtype=float),
+        )
+        self.point("weights", problem.weights_or_zero())
+        self.point("knots", knots)
+        self.point("values", values)
+        self.point("hold", linear.view(np.int8))
+        if t_eval is not None:
+            self.point("t_eval", t_eval if len(t_eval) else np.zeros(1))
+        self.point("work", np.empty(self.driver.halfarrow_work_size(n, run.m, k)))
+        self.point("flags", np.empty(self.driver.halfarrow_flag_size(k) + 1, dtype=np.int8))
+        self.point("x_end", np.empty(n + 2))
+        self.point("code", np.zeros(k + 1, dtype=np.int8))
+        self.make_room_for_rows(4096 if t_eval is None else len(t_eval))
+        self.make_room_for_events(256 if k else 0)
+        self.show_modes()
+
+    def point(self, field: str, array: np.ndarray) -> None:
+        """Let a field of the struct point to an array, and keep that alive."""
+        self.kept[field] = array
+        setattr(self.run, field, array.ctypes.data)
+
+    def make_room_for_rows(self, capacity: int) -> None:
+        """Rows for the driver to fill, those filled already kept."""
+        rows = np.empty((capacity, self.run.n + 3))
+        codes = np.empty((capacity, self.run.k), dtype=np.int8)
+        if used := self.run.row_count:
+            rows[:used], codes[:used] = self.kept["rows"][:used], self.kept["row_codes"][:used]
+        self.point("rows", rows)
+        self.point("row_codes", codes)
+        self.run.row_capacity = capacity
+
+    def make_room_for_events(self, capacity: int) -> None:
+        """Events for the driver to fill, those filled already kept."""
+        events = np.empty((capacity, self.run.n + 3))
+        codes = np.empty((capacity, 3), dtype=np.int64)
+        if used := self.run.event_count:
+            events[:used], codes[:used] = (
+                self.kept["events"][:used],
+                self.kept["event_codes"][:used],
+            )
+        self.point("events", events)
+        self.point("event_codes", codes)
+        self.run.event_capacity = capacity
+
+    def show_modes(self) -> None:
+        """Tell the driver all modes loaded so far."""
+        loaded = self.table.loaded()
+        modes = (_Mode * len(loaded))()
+        for mode, (mask, loaded_mode) in zip(modes, loaded.items(), strict=True):
+            mode.stuck = mask
+            for name, address in loaded_mode.functions.items():
+                setattr(mode, name, address)
+        self.kept["modes"] = modes, list(loaded.values())
+        self.run.modes, self.run.n_modes = ctypes.addressof(modes), len(modes)
+        iw, w = (max(column) for column in zip(*(f.sizes for f in loaded.values()), strict=True))
+        self.point("iw", np.empty(iw + 1, dtype=np.int64))
+        self.point("w", np.empty(w + 1))
+
+    def to_the_end(self, time_budget: float) -> Outcome:
+        """Advance, serving what the driver asks for, until it has an outcome."""
+        deadline = time.monotonic() + time_budget
+        advance, run, address = (
+            self.driver.halfarrow_advance,
+            self.run,
+            ctypes.addressof(self.memory),
+        )
+        while True:
+            left = deadline - time.monotonic()
+            if left <= 0:
+                return Outcome.TIME_BUDGET
+            run.slice = min(LONGEST_PAUSE, left)
+            status = advance(address)
+            if status >= _FIRST_OUTCOME:
+                return _OUTCOMES[status - _FIRST_OUTCOME]
+            if status == _NEED_MODE:
+                self.table.machine_code(run.wanted)
+                self.show_modes()
+            elif status == _ROWS_FULL:
+                self.make_room_for_rows(2 * run.row_capacity)
+            elif status == _EVENTS_FULL:
+                self.make_room_for_events(2 * run.event_capacity + run.k)

@@ -1,7 +1,8 @@
-"""The integrator of ``driver.c`` once more, in Python: change both together.
+"""The integrator of ``driver.c`` and ``kernel.c`` once more, in Python: change both together.
 
 It runs where there is no compiler, and where an input is a Python callable. The same algorithm with
-the same names, so that either may be read beside the other; the reasons stand in ``driver.c``.
+the same names, so that either may be read beside the other; the reasons stand in the C. Sums are
+taken in the same order, so both give the same bits, and a test asks for that.
 """
 
 from __future__ import annotations
@@ -14,10 +15,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from bondgraph.simulation.outcome import Outcome
+from .outcome import Outcome
 
 if TYPE_CHECKING:
-    from bondgraph.simulation.hybrid import Options, Problem
+    from .hybrid import Options, Problem
 
 __all__ = ["Stepper"]
 
@@ -54,9 +55,6 @@ D = np.array(
         69997945 / 29380423,
     ]
 )
-# Fourth difference of five samples.
-ROUGH = np.array([1.0, -4.0, 6.0, -4.0, 1.0])
-
 Array = np.ndarray
 Model = Callable[[float, Array, Array, Array, Array], Array]
 
@@ -77,6 +75,20 @@ def _ulp(t: float) -> float:
     return EPSILON * max(abs(t), TINY)
 
 
+def _weighted(weights: Array, rows: Array) -> Array:
+    """Sum of rows with weights, added one after the other."""
+    return np.add.reduce(weights[:, None] * rows, axis=0)
+
+
+def _differences(rows: Array) -> Array:
+    """Newton's forward differences of orders 0 to 4."""
+    found = [rows[0]]
+    while len(rows) > 1:
+        rows = np.diff(rows, axis=0)
+        found.append(rows[0])
+    return np.array(found)
+
+
 def _signs(values: Array) -> Array:
     return np.where(values < 0, -1, 1)
 
@@ -87,7 +99,7 @@ class Stepper:
     Parameters
     ----------
     problem, options
-        As for `bondgraph.simulation.hybrid.integrate`, checked already.
+        As for `hybrid.integrate`, checked already.
     model : callable
         mask of stuck switches -> (rhs, guard), each ``(t, x, u, p, s) -> array``.
     """
@@ -115,7 +127,7 @@ class Stepper:
             self.knot += 1
 
         scatter = 0.5 + np.modf(np.arange(n) * 0.6180339887498949)[0]
-        self.wobble = 1.0 + WOBBLE * np.where(np.arange(n) % 2, -scatter, scatter)
+        self.wobble = WOBBLE * np.where(np.arange(n) % 2, -scatter, scatter)
         self.code = np.zeros(k, dtype=int)
         self.K = np.zeros((7, n + 2))
         self.dense = np.zeros((5, n + 2))
@@ -124,10 +136,11 @@ class Stepper:
         self.armed = np.zeros(k, dtype=bool)
         self.armed_low = np.zeros(k, dtype=bool)
         self.fired = np.zeros(k, dtype=bool)
+        self.fresh = np.zeros(k, dtype=bool)
         window = 64 + 8 * k
         self.instants: deque[float] = deque(maxlen=window)
 
-        self.h, self.error_old = 0.0, 1e-4
+        self.h, self.log_error = 0.0, math.log(1e-4)
         self.bad = self.shrinks = self.halvings = self.futile = 0
         self.after_rejection = self.started = self.keep_step = False
         self.steps = self.rejected = self.evaluations = self.next_eval = 0
@@ -161,9 +174,9 @@ class Stepper:
         i = self.knot
         if i < 0 or i + 1 >= len(self.knots):
             return self.values[max(i, 0)] if len(self.values) else np.zeros(0)
-        part = (t - self.knots[i]) / (self.knots[i + 1] - self.knots[i])
         left, right = self.values[i], self.values[i + 1]
-        return np.where(self.linear, left + part * (right - left), left)
+        slope = np.where(self.linear, (right - left) / (self.knots[i + 1] - self.knots[i]), 0.0)
+        return left + (t - self.knots[i]) * slope
 
     def functions(self, code: Array) -> tuple[Model, Model]:
         """Of the mode in which exactly the switches with code 0 stick."""
@@ -183,8 +196,10 @@ class Stepper:
         guard = self.functions(code)[1]
         u, s, x = self.input_at(self.t), code.astype(float), self.x[: self.n]
         g = np.array(guard(self.t, x, u, self.parameters, s))
-        moved = guard(self.t, x * self.wobble, u, self.parameters, s)
-        return g, 64 * EPSILON * (np.abs(moved - g) / WOBBLE + np.abs(g))
+        wobbled = x + self.wobble * np.maximum(np.abs(x), 1e3 * self.floor)
+        moved = np.abs(guard(self.t, wobbled, u, self.parameters, s) - g)
+        moved = np.where(np.isfinite(moved), moved / WOBBLE, 0.0)
+        return g, 64 * EPSILON * (moved + np.abs(g))
 
     # ------------------------------------------------------------------ one step
 
@@ -192,8 +207,10 @@ class Stepper:
         """x_new one step of length h after x; needs K[0], fills K[1] to K[5]."""
         n, K, x = self.n, self.K, self.x
         for i in range(1, 6):
-            K[i] = self.rhs(self.t + h * C[i], x[:n] + h * (A[i] @ K[:i, :n]))
-        self.x_new = x + h * (B @ K[:6])
+            y = x + h * _weighted(A[i][:-1], K[: i - 1]) if i > 1 else x
+            y = y + h * A[i][-1] * K[i - 1]
+            K[i] = self.rhs(self.t + h * C[i], y[:n])
+        self.x_new = x + h * _weighted(B[:-1], K[:5]) + h * B[-1] * K[5]
 
     def last_stage(self, h: float) -> bool:
         """K[6]; false when the step holds a NaN or an infinity."""
@@ -209,7 +226,7 @@ class Stepper:
         """Largest component of the error estimate, in units of what the tolerances allow."""
         if self.n == 0:
             return 0.0
-        error = np.abs(h * (E @ self.K[:, : self.n]))
+        error = np.abs(h * _weighted(E, self.K)[: self.n])
         return float(np.max(error / np.maximum(self.allowed(self.x_new[: self.n]), TINY)))
 
     def make_dense(self, h: float) -> None:
@@ -218,7 +235,7 @@ class Stepper:
         bend = h * self.K[0] - rise
         self.dense[0], self.dense[1], self.dense[2] = self.x, rise, bend
         self.dense[3] = rise - h * self.K[6] - bend
-        self.dense[4] = h * (D @ self.K)
+        self.dense[4] = h * _weighted(D, self.K)
 
     def interpolate(self, part: float) -> Array:
         """All components at a fraction of the step."""
@@ -267,10 +284,15 @@ class Stepper:
         return self.lowest(self.guard(self.t + tau, self.interpolate(tau / self.h_used)[: self.n]))
 
     def level_true(self, tau: float) -> float:
-        """Lowest guard after a step of length tau, which is left in x_new."""
+        """Lowest guard after a step of length tau, left in x_new; those below zero in `fired`."""
         self.stages(tau)
-        self.probe = np.array(self.guard(self.t + tau, self.x_new[: self.n]))
-        return self.lowest(self.probe)
+        probe = self.guard(self.t + tau, self.x_new[: self.n])
+        self.reached = tau
+        level = self.lowest(probe)
+        if level < 0:
+            g = probe[: self.k]
+            self.fired = np.where(self.armed_low, g, g + self.noise) < 0
+        return level
 
     def arm_until(self, at: int) -> None:
         """armed_low: which guards are armed at sample `at`."""
@@ -286,63 +308,76 @@ class Stepper:
         self.arm_until(4)
         return 5
 
+    def curves(self) -> tuple[Array, Array]:
+        """Forward differences, (5, k), of a and of the breakaway force (0 when slipping)."""
+        a = self.sample[:, self.k :]
+        b = np.where(self.code != 0, 0.0, self.sample[:, : self.k] + np.abs(a))
+        return _differences(a), _differences(b)
+
     def find_dip(self, before: int) -> tuple[int, float] | None:
         """A dip below zero between samples above it: the sample before, the fraction."""
-        g, rough = self.sample[:, : self.k], np.abs(ROUGH @ self.sample[:, : self.k])
-        for c in range(1, min(4, before)):
-            left, here, right = g[c - 1], g[c], g[c + 1]
-            bend, tilt = left - 2 * here + right, 0.5 * (right - left)
-            low = (left > self.noise) & (here <= left) & (here <= right) & (bend > 0)
-            for j in np.flatnonzero(low):
-                if here[j] - 0.5 * tilt[j] * tilt[j] / bend[j] > 0.1 * rough[j]:
-                    continue
-                part = 0.25 * (c - float(tilt[j] / bend[j]))
-                self.arm_until(c - 1)
-                if self.level_dense(part * self.h_used) < 0:
-                    return c - 1, part
+        a, b = self.curves()
+        rough = np.abs(a[4]) + np.abs(b[4])
+        bend = _weighted(np.array([1.0, 2.0, 3.0]), np.abs(a[2:]) + np.abs(b[2:]))
+        for j in range(self.k):
+            g = self.sample[:before, j]
+            rose = np.flatnonzero(self.armed[j] | (g > self.noise[j]))
+            start = int(rose[0]) if len(rose) else before
+            if start >= before or g[start:].min() > 0.25 * bend[j]:
+                continue
+            found = _lowest_inside(a[:, j], b[:, j], int(self.code[j]), start, before - 1)
+            if found is None or found[1] > 0.1 * rough[j]:
+                continue
+            z = found[0]
+            self.arm_until(int(z))
+            if self.level_dense(0.25 * z * self.h_used) < 0:
+                return int(z), 0.25 * z
         return None
 
-    def guards_unresolved(self) -> bool:
-        """Whether a dip below zero could hide between the samples."""
-        g = self.sample[:, : self.k]
-        rough, change = np.abs(ROUGH @ g), np.abs(np.diff(g, axis=0)).max(axis=0)
-        return bool(np.any(self.armed & (rough > 0.5 * change) & (rough > g.min(axis=0))))
+    def guards_unresolved(self, first: int) -> bool:
+        """Whether a dip below zero could hide between samples before `first`."""
+        a, b = self.curves()
+        rough = np.abs(a[4]) + np.abs(b[4])
+        change = np.abs(np.diff(self.sample[:, self.k :], axis=0)).max(axis=0)
+        least = self.sample[:first, : self.k].min(axis=0)
+        return bool(np.any(self.armed & (rough > 0.1 * change) & (rough > 0.1 * least)))
 
     def locate(self, h: float, low: float, high: float) -> bool:
         """The event in (low, high]; false when the step was cut at `high` instead."""
         limit, tol = high, 2 * _ulp(max(abs(self.t), abs(self.t + h)))
         f_low, f_high = self.level_dense(low), self.level_dense(high)
+        reach, slope = 1e-6 * h, 0.0
         if f_low >= 0 > f_high:
+            slope = (f_low - f_high) / (high - low)
             low, f_low, high, f_high = _narrow(self.level_dense, low, f_low, high, f_high, 1e-9 * h)
 
-        reach = 1e-6 * h
-        f_high = self.level_true(high)
-        if f_high < 0:
-            low = high
-            while True:
-                low = max(low - reach, 0.0)
-                if low == 0:
-                    f_low = max(self.lowest(self.sample[0]), 0.0)
-                    break
-                f_low = self.level_true(low)
-                if f_low >= 0:
-                    break
-                high, f_high, reach = low, f_low, 32 * reach
+        f = self.level_true(high)
+        if slope > 0:
+            reach = max(4 * tol, min(reach, 4 * abs(f) / slope))
+        if f < 0:
+            f_low = -1.0
+            while f_low < 0:
+                f_high = f
+                low = max(high - reach, 0.0)
+                f_low = f = (
+                    self.level_true(low) if low > 0 else max(self.lowest(self.sample[0]), 0.0)
+                )
+                if f < 0:
+                    high = low
+                reach *= 32
         else:
-            while True:
-                low, f_low = high, f_high
-                high = min(low + reach, limit)
-                f_high = self.level_true(high) if high > low else f_low
-                if f_high < 0:
-                    break
+            f_high = 0.0
+            while f_high >= 0:
                 if high >= limit:
                     self.h_used = limit
                     return False
+                low, f_low = high, f
+                high = min(low + reach, limit)
+                f_high = f = self.level_true(high)
                 reach *= 32
         low, f_low, high, f_high = _narrow(self.level_true, low, f_low, high, f_high, tol)
-        self.level_true(high)
-        self.fired = np.where(self.armed_low, self.probe[: self.k], self.probe[: self.k] + self.noise) < 0
-        self.level_true(low)
+        if self.reached != low:
+            self.stages(low)
         self.h_used = low
         return True
 
@@ -356,6 +391,10 @@ class Stepper:
         self.sample[4] = self.guard(self.t + h, self.x_new[: self.n])
 
         first = self.first_below()
+        if self.halvings < MAX_HALVINGS and self.guards_unresolved(first):
+            self.halvings += 1
+            self.h = 0.5 * h
+            raise _Retry
         dip = self.find_dip(first)
         if dip is not None:
             low, part = dip
@@ -368,10 +407,6 @@ class Stepper:
                 self.h = 0.125 * h
                 raise _Retry
         else:
-            if self.halvings < MAX_HALVINGS and self.guards_unresolved():
-                self.halvings += 1
-                self.h = 0.5 * h
-                raise _Retry
             self.armed = self.armed_low
             return False
 
@@ -428,10 +463,17 @@ class Stepper:
         k = self.k
         code = np.ones(k, dtype=int)
         if k:
-            g, noise = self.measure(code)
-            if not np.isfinite(g[k:]).all():
+            slip, noise = (values[k:] for values in self.measure(code))
+            if not np.isfinite(slip).all():
                 raise _End(Outcome.NON_FINITE)
-            code = np.where(np.abs(g[k:]) <= 150 * noise[k:], 0, _signs(g[k:]))
+            speed = np.abs(slip)
+            if self.started:
+                self.knot -= 1
+                before = self.measure(code)[0][k:]
+                self.knot += 1
+                speed = np.where(self.code == 0, np.abs(slip - before), speed)
+            self.fresh = speed <= 64 * noise
+            code = np.where(self.fresh, 0, _signs(slip))
             self.release(code)
         self.adopt(code)
 
@@ -442,14 +484,13 @@ class Stepper:
         rests = slips & self.armed_low & (self.sample[0, :k] <= self.noise)
         code = np.where(self.fired & ~slips, _signs(self.sample[0, k:]), self.code)
         code = np.where((self.fired | rests) & slips, 0, code)
+        self.fresh = self.fired | rests | ~slips
         self.release(code)
 
         window = self.instants.maxlen or 0
-        crowded = (
-            len(self.instants) == window
-            and self.t - self.instants[0]
-            <= 1e-12 * (self.t_end - self.t_begin) + 1000 * _ulp(self.t)
-        )
+        crowded = len(self.instants) == window and self.t - self.instants[0] <= 1e-12 * (
+            self.t_end - self.t_begin
+        ) + 1000 * _ulp(self.t)
         early = bool(np.any(self.fired & ~self.armed_low))
         self.futile = self.futile + 1 if early else 0
         if crowded or self.futile > 16 + 4 * k:
@@ -466,24 +507,26 @@ class Stepper:
         if self.k:
             self.sample[0], noise = self.measure(self.code)
             g = self.sample[0, : self.k]
-            self.noise = np.maximum(noise[: self.k], -2 * g)
+            off = np.where((self.code != 0) & self.fresh, np.abs(g), -g)
+            self.noise = np.maximum(noise[: self.k], 1.1 * off)
             self.armed = g > self.noise
         if not self.keep_step:
             self.first_step()
-            self.error_old = 1e-4
+            self.log_error = math.log(1e-4)
         self.keep_step = self.after_rejection = False
         self.bad = self.shrinks = self.halvings = 0
 
     def control(self, h: float, error: float, clipped: bool) -> None:
         """Proposal for the step after one of length h."""
-        slowed = error ** (0.2 - 0.75 * BETA) / self.error_old**BETA
+        log_error = math.log(max(error, TINY))
+        slowed = math.exp((0.2 - 0.75 * BETA) * log_error - BETA * self.log_error)
         proposal = h / max(1 / FAC_MAX, min(1 / FAC_MIN, slowed / SAFETY))
         if self.after_rejection:
             proposal = min(proposal, h)
         elif clipped:
             proposal = max(proposal, self.h)
         self.h = proposal
-        self.error_old = max(error, 1e-4)
+        self.log_error = max(log_error, math.log(1e-4))
         self.after_rejection = False
 
     def reject(self, h: float) -> None:
@@ -495,7 +538,7 @@ class Stepper:
     def next_stop(self) -> float:
         """The time that no step may cross."""
         ahead = self.knot + 1
-        return min(self.knots[ahead], self.t_end) if ahead < len(self.knots) else self.t_end
+        return min(float(self.knots[ahead]), self.t_end) if ahead < len(self.knots) else self.t_end
 
     def step(self) -> None:
         """Try one step; take it, with the event at its end, if it is good."""
@@ -630,3 +673,27 @@ def _inverse_quadratic(a: float, fa: float, b: float, fb: float, c: float, fc: f
         return 0.5
     across = fa / (fb - fa) * fc / (fb - fc)
     return across + (c - a) / (b - a) * fa / (fc - fa) * fb / (fc - fb)
+
+
+def _quartic(d: Array, z: Array) -> Array:
+    """Value at z quarters of the step of the curve with these forward differences."""
+    return d[0] + z * (d[1] + (z - 1) / 2 * (d[2] + (z - 2) / 3 * (d[3] + (z - 3) / 4 * d[4])))
+
+
+def _lowest_inside(
+    a: Array, b: Array, code: int, start: int, stop: int
+) -> tuple[float, float] | None:
+    """Where between two samples, in quarters of the step, a guard is lowest, and how low."""
+
+    def on_curve(z: Array) -> Array:
+        return code * _quartic(a, z) if code else _quartic(b, z) - np.abs(_quartic(a, z))
+
+    z = 0.125 * np.arange(8 * start, 8 * stop + 1)
+    g = on_curve(z)
+    at = int(np.argmin(g))
+    if at in (0, len(g) - 1):
+        return None
+    left, least, right = (float(value) for value in g[at - 1 : at + 2])
+    tilt, turn = 0.5 * (right - left), left - 2 * least + right
+    shift = tilt / turn if turn > 0 else 0.0
+    return float(z[at]) - 0.125 * shift, least - 0.5 * tilt * shift
