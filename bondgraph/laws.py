@@ -123,3 +123,32 @@ def regularised(kinetic: sympy.Expr, speed: sympy.Symbol, slip: Any, width: Any)
     """
     slip = exact(slip)
     return kinetic.xreplace({speed: sympy.Abs(slip)}) * sympy.tanh(slip / exact(width))
+
+
+def affine_inverse(law: sympy.Expr | None, argument: sympy.Symbol, value: sympy.Symbol) -> sympy.Expr | None:
+    """Invert a law that is affine in its argument; None where it is not.
+
+    Parameters
+    ----------
+    law : Expr or None
+    argument : Symbol
+        What the law is a function of.
+    value : Symbol
+        What the law gives.
+
+    Returns
+    -------
+    Expr or None
+
+    Examples
+    --------
+    >>> f, e = sympy.symbols("f e")
+    >>> affine_inverse(2 * f + 1, f, e)
+    e/2 - 1/2
+    """
+    if law is None:
+        return None
+    slope = sympy.diff(law, argument)
+    if slope == 0 or argument in slope.free_symbols:
+        return None
+    return (value - law.xreplace({argument: sympy.S.Zero})) / slope

@@ -8,7 +8,7 @@ and nothing is rounded: a wrong sign anywhere shows in the first comparison.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from fractions import Fraction
 
 import numpy as np
@@ -29,11 +29,13 @@ STATES = {"C": "q", "I": "p"}
 class Sketch:
     """Elements by name as (kind, value), and bonds as (tail, head) in the order written.
 
-    Sources have no value: each is an input named like its element.
+    Sources have no value: each is an input named like its element. But a source in ``signals``
+    follows a variable, such as ``c.e``, times a gain.
     """
 
     elements: dict[str, tuple[str, Fraction | None]]
     bonds: tuple[tuple[str, str], ...]
+    signals: dict[str, tuple[str, Fraction]] = field(default_factory=dict)
 
     def of(self, *kinds: str) -> list[str]:
         return [name for name, (kind, _) in self.elements.items() if kind in kinds]
@@ -43,8 +45,14 @@ class Sketch:
         made = {
             label: self._element(label, kind, value, symbolic)
             for label, (kind, value) in self.elements.items()
+            if label not in self.signals
         }
-        inputs = [sympy.Symbol(f"u_{label}", real=True) for label in self.of("Se", "Sf")]
+        for label, (heard, gain) in self.signals.items():
+            name, _, port = heard.partition(".")
+            law = sympy.Rational(gain.numerator, gain.denominator) * getattr(made[name], port)
+            made[label] = ONE_PORTS[self.elements[label][0]](label, law)
+        free = [label for label in self.of("Se", "Sf") if label not in self.signals]
+        inputs = [sympy.Symbol(f"u_{label}", real=True) for label in free]
         chains = [made[tail] >> made[head] for tail, head in self.bonds]
         return assemble(name, *made.values(), *chains, inputs=inputs)
 
@@ -62,6 +70,10 @@ class Sketch:
         return Sketch(
             {names[name]: what for name, what in self.elements.items()},
             tuple((names[tail], names[head]) for tail, head in self.bonds),
+            {
+                names[name]: (names[heard[:-2]] + heard[-2:], gain)
+                for name, (heard, gain) in self.signals.items()
+            },
         )
 
     def valued(self, values: dict[str, Fraction]) -> Sketch:
@@ -69,7 +81,7 @@ class Sketch:
         elements = {
             name: (kind, values.get(name, value)) for name, (kind, value) in self.elements.items()
         }
-        return Sketch(elements, self.bonds)
+        return Sketch(elements, self.bonds, self.signals)
 
     @property
     def residues(self) -> dict[str, int]:
@@ -91,7 +103,7 @@ class Raw:
         self.sketch = sketch
         self.bonds = [self._inwards(*bond) for bond in sketch.bonds]
         self.storages = sketch.of("C", "I")
-        self.sources = sketch.of("Se", "Sf")
+        self.sources = [name for name in sketch.of("Se", "Sf") if name not in sketch.signals]
         count = 2 * len(sketch.bonds)
         self.place = {name: count + index for index, name in enumerate(self.storages)}
         self.size = count + len(self.storages)
@@ -162,6 +174,12 @@ class Raw:
         elif kind == "I":
             self._row({f: value, self.place[name]: -1})
             self._row({e: 1}, {self.place[name]: 1})
+        elif name in self.sketch.signals:
+            heard, gain = self.sketch.signals[name]
+            column, sign = self.named()[heard]
+            row = {e if kind == "Se" else f: Fraction(-1)}
+            row[column] = row.get(column, 0) + sign * gain
+            self._row(row)
         else:
             self._row({e if kind == "Se" else f: -1}, source=name)
 

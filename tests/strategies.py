@@ -26,6 +26,7 @@ def sketches(
     chain: int = 2,
     sources: bool = True,
     aligned: bool = False,
+    signals: bool = False,
 ) -> Sketch:
     """Draw a graph that is well formed; whether it has a solution is left open.
 
@@ -38,10 +39,25 @@ def sketches(
         Whether to draw Se and Sf.
     aligned
         Whether power runs through two-ports, so that in and out do not hang on the order written.
+    signals
+        Whether sources may follow variables of other elements.
     """
-    return _Pencil(draw, aligned).sketch(
-        junctions, loops, ones, chain, PASSIVE + ["Se", "Sf"] * sources
-    )
+    kinds = PASSIVE + ["Se", "Sf"] * sources
+    sketch = _Pencil(draw, aligned).sketch(junctions, loops, ones, chain, kinds)
+    return draw(listening(sketch)) if signals else sketch
+
+
+@st.composite
+def listening(draw, sketch: Sketch) -> Sketch:
+    """Let some sources follow a port variable or state of what is no such source."""
+    found = {}
+    for name in sketch.of("Se", "Sf"):
+        others = [other for other in sketch.of("R", "C", "I", "0", "1") if other != name]
+        if others and draw(st.booleans()):
+            other = draw(st.sampled_from(others))
+            ports = {"0": "e", "1": "f", "C": "efq", "I": "efp"}.get(sketch.elements[other][0], "ef")
+            found[name] = (f"{other}.{draw(st.sampled_from(ports))}", draw(st.sampled_from(RATIOS)))
+    return Sketch(sketch.elements, sketch.bonds, found)
 
 
 class _Pencil:

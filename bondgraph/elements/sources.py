@@ -1,0 +1,60 @@
+"""Sources of effort and of flow."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import sympy
+
+from .base import OnePort
+
+
+@dataclass(frozen=True, eq=False, init=False, repr=False)
+class Se(OnePort):
+    """Source of effort.
+
+    Parameters
+    ----------
+    name : str
+    effort : number, Expr
+        May use time, parameters, inputs and port variables (modulated: MSe).
+
+    Examples
+    --------
+    >>> Se("battery", 12).effort
+    12
+    """
+
+    effort: sympy.Expr
+    kind: ClassVar[str] = "Se"
+    passive: ClassVar[bool] = False
+
+    def __init__(self, name: str, effort: Any) -> None:
+        self._ports(name)
+        self._set(effort=self._apply("effort", effort, self.f))
+
+
+@dataclass(frozen=True, eq=False, init=False, repr=False)
+class Sf(OnePort):
+    """Source of flow.
+
+    Parameters
+    ----------
+    name : str
+    flow : number, Expr
+        May use time, parameters, inputs and port variables (modulated: MSf).
+
+    Examples
+    --------
+    >>> Sf("road", 0.5).flow
+    1/2
+    """
+
+    flow: sympy.Expr
+    kind: ClassVar[str] = "Sf"
+    passive: ClassVar[bool] = False
+
+    def __init__(self, name: str, flow: Any) -> None:
+        self._ports(name)
+        self._set(flow=self._apply("flow", flow, self.e))
