@@ -50,8 +50,9 @@ FLAGS = ("-std=gnu11", "-ffp-contract=off", "-fno-math-errno", "-fPIC", "-shared
 # A model of a few states is a chain of dependent scalars: packing them into vectors only adds moves.
 SMALL_SOURCE, SMALL_FLAGS = 30_000, ("-O3", "-fno-tree-vectorize")
 MEDIUM_FLAGS = ("-O2",)
-# Beyond this many characters gcc's -O2 takes minutes, -O1 seconds.
-LARGE_SOURCE, LARGE_FLAGS = 500_000, ("-O1",)
+# gcc's time grows with the square of a function's length: 2000 operations take 5 s, 8000 minutes.
+# Beyond, the virtual machine is done before the compiler is.
+MOST_OPERATIONS = 2000
 KERNEL = ("rhs", "guard", "advance", "finish", "inspect")  # functions of kernel.c, as in its Mode
 
 
@@ -150,11 +151,18 @@ def load_mode(
         With different names and one dense result each; `guard` may be None.
     sizes : (int, int, int)
         Numbers of states, inputs and switches.
+
+    Raises
+    ------
+    CompileError
+        When the compiler fails, and for models so large that compiling takes longer than running.
     """
+    if rhs.n_instructions() > MOST_OPERATIONS:
+        raise CompileError(
+            f"{rhs.n_instructions()} operations are more than are worth compiling ({MOST_OPERATIONS})"
+        )
     model, macros = _model_source(rhs, guard, sizes)
-    flags = LARGE_FLAGS if len(model) > LARGE_SOURCE else MEDIUM_FLAGS
-    if len(model) < SMALL_SOURCE:
-        flags = SMALL_FLAGS
+    flags = SMALL_FLAGS if len(model) < SMALL_SOURCE else MEDIUM_FLAGS
     macros["SMALL"] = str(int(flags == SMALL_FLAGS))
     source = (
         # Everything of CasADi's becomes static, to be taken into the kernel or dropped.
