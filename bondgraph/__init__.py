@@ -15,9 +15,10 @@ if TYPE_CHECKING:
     from .errors import BondGraphError
     from .files import load, save
     from .graph import TIME, BondGraph, Output, assemble
-    from .linear import LinearSystem, SteadyState, linearize, steady_state
+    from .linear import LinearSystem, linearize
     from .modes import in_mode, smoothed
     from .parameters import Parameter
+    from .steady import SteadyState, steady_state
     from .simulation import CompiledModel, Outcome, Samples, Trajectory, simulate
 
 _HOME = {
@@ -39,7 +40,7 @@ _HOME = {
     "Samples": "simulation",
     "Se": "elements",
     "Sf": "elements",
-    "SteadyState": "linear",
+    "SteadyState": "steady",
     "TF": "elements",
     "TIME": "graph",
     "Trajectory": "simulation",
@@ -53,10 +54,44 @@ _HOME = {
     "save": "files",
     "simulate": "simulation",
     "smoothed": "modes",
-    "steady_state": "linear",
+    "steady_state": "steady",
 }
 
-__all__ = sorted(_HOME)
+__all__ = [
+    "assemble",
+    "assign_causality",
+    "BondGraph",
+    "BondGraphError",
+    "C",
+    "CausalGraph",
+    "CompiledModel",
+    "derive",
+    "Equations",
+    "Friction",
+    "GY",
+    "I",
+    "in_mode",
+    "linearize",
+    "LinearSystem",
+    "load",
+    "One",
+    "Outcome",
+    "Output",
+    "Parameter",
+    "R",
+    "Samples",
+    "save",
+    "Se",
+    "Sf",
+    "simulate",
+    "smoothed",
+    "steady_state",
+    "SteadyState",
+    "TF",
+    "TIME",
+    "Trajectory",
+    "Zero",
+]
 __version__ = "0.1.0"
 
 
@@ -67,4 +102,4 @@ def __getattr__(name: str) -> Any:
 
 
 def __dir__() -> list[str]:
-    return sorted([*globals(), *_HOME])
+    return sorted({*globals(), *__all__})

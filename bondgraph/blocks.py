@@ -113,6 +113,7 @@ def order_and_solve(
             state.assignments.append((first, explicit[first]))
         else:
             state.solve([variables[member] for member in members])
+    state.check()
     return Ordered(
         tuple(state.assignments), tuple(state.algebraic), tuple(state.residuals), tuple(state.loops)
     )
@@ -131,6 +132,7 @@ class _Solver:
         self.residuals: list[sympy.Expr] = []
         self.loops: list[AlgebraicLoop] = []
         self._hoisted = 0
+        self._open: list[tuple[list[sympy.Symbol], list[sympy.Expr]]] = []
 
     def solve(self, block: list[sympy.Symbol]) -> None:
         tears = [variable for variable in block if variable in self.implicit]
@@ -206,7 +208,8 @@ class _Solver:
         while left:
             choice = _pivot(pending, left)
             if choice is None:
-                raise self._singular(left, [row.constant for row in pending])
+                self._open.append((left, [row.constant for row in pending]))
+                break
             row, tear, coefficient = choice
             pending.remove(row)
             left.remove(tear)
@@ -223,17 +226,20 @@ class _Solver:
             code.append((tear, _tidy(formula.expression())))
         return code
 
-    def _singular(self, left: list[sympy.Symbol], constants: list[sympy.Expr]) -> AlgebraicLoopError:
-        """Tell a loop that leaves its variables open from one that binds what is given."""
-        names = tuple(tear.name for tear in left)
-        known = expansion(self.assignments, set().union(*(value.free_symbols for value in constants)))
-        relations = [_tidy(value.xreplace(known)) for value in constants]
-        bound = frozenset().union(*(relation.free_symbols for relation in relations))
-        return SingularLoopError(
+    def check(self) -> None:
+        """Raise if a linear loop left variables open; tell what all such loops bind instead."""
+        if not self._open:
+            return
+        relations = [relation for _, constants in self._open for relation in constants]
+        wanted = set().union(*(relation.free_symbols for relation in relations))
+        known = expansion(self.assignments, wanted)
+        bound = [_tidy(relation.xreplace(known)).free_symbols for relation in relations]
+        names = tuple(tear.name for tear in self._open[0][0])
+        raise SingularLoopError(
             f"the algebraic loop through {', '.join(names)} has no unique solution; "
             f"add a compliance or inertia in it, or remove a redundant element",
             names,
-            bound,
+            frozenset().union(*bound),
         )
 
 

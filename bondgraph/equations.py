@@ -11,7 +11,7 @@ variables where not. Cost grows with the graph, not with its square.
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import sympy
 
@@ -320,11 +320,12 @@ class _Derivation:
         """Write all equations, order them, and check that nothing is left over."""
         for name, element in self.graph.elements.items():
             self._write(name, self._listening(element))
-        self.explicit |= self.signals
-        rates = Rates(self.explicit, self.implicit, self.states, self.graph.inputs, self.answers, self.signals)
+        heard = {signal: variable for variable, signal in self.signals.items()}
+        rates = Rates(self.explicit, self.implicit, self.states, self.graph.inputs, self.answers, heard)
         self._dependent_storages(rates)
         self._stuck_contacts(rates)
         rates.finish()
+        self._forget_signals()
         self._modulated_storages(rates)
         outputs = {name: self._local(output.expression) for name, output in self.graph.outputs.items()}
         ordered = order_and_solve(self.explicit, self.implicit)
@@ -401,15 +402,33 @@ class _Derivation:
         return self.names[storage.f if isinstance(storage, C) else storage.e]
 
     def _listening(self, element: Element) -> Element:
-        """Let laws that use another element's answer use a signal that carries it."""
+        """Let laws use a stand-in for what they hear of other elements.
+
+        For rates a signal is not a bond: what a dependent storage answers comes back along
+        bonds without effect on its own state, but not along signals.
+        """
+        if not self.answers:
+            return element
         own = set(element.symbols.values())
         heard = {}
         for symbol in set().union(*(law.free_symbols for law in element.laws.values())) - own:
-            for answer in self.names.get(symbol, symbol).free_symbols & self.answers:
-                signal = sympy.Symbol(f"signal({answer.name})", real=True)
-                self.signals[signal] = answer
-                heard[symbol] = self.names[symbol].xreplace({answer: signal})
+            for variable in self.names.get(symbol, sympy.S.Zero).free_symbols:
+                signal = self.signals.setdefault(variable, sympy.Dummy(variable.name, real=True))
+                heard[symbol] = self.names[symbol].xreplace({variable: signal})
         return element.replaced(heard) if heard else element
+
+    def _forget_signals(self) -> None:
+        """Put the variables heard back in place of their stand-ins."""
+        if not self.signals:
+            return
+        heard = {signal: variable for variable, signal in self.signals.items()}
+        for table in (self.explicit, self.implicit, self.dependent):
+            for key, expression in table.items():
+                table[key] = expression.xreplace(heard)
+        self.initial = [expression.xreplace(heard) for expression in self.initial]
+        self.contacts = [
+            replace(contact, breakaway=contact.breakaway.xreplace(heard)) for contact in self.contacts
+        ]
 
     def _write(self, name: str, element: object) -> None:
         if isinstance(element, Zero | One):
@@ -548,7 +567,6 @@ class _Derivation:
         for name, element in self.graph.of(Storage):
             if element.energy is None:
                 continue
-            element = self._listening(element)
             energy = self._local(element.energy)
             outside = energy.free_symbols - {self.storage[name]} - set(self.graph.parameters)
             work = sympy.Add(

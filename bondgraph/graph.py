@@ -144,7 +144,7 @@ class BondGraph:
     def __repr__(self) -> str:
         return f"BondGraph({self.name!r}, {len(self.elements)} elements, {len(self.bonds)} bonds)"
 
-    def __getitem__(self, name: str) -> Element:
+    def __getitem__(self, name: str) -> Any:
         """Return the element with a qualified name."""
         try:
             return self.elements[name]

@@ -38,7 +38,7 @@ def exact(value: Any) -> sympy.Expr:
     >>> exact(0.2)
     1/5
     """
-    if isinstance(value, bool) or isinstance(value, str):
+    if isinstance(value, bool | str):
         raise LawError(f"expected a number or a sympy expression, got {value!r}; make a symbol with sympy.Symbol")
     try:
         if hasattr(value, "item") and not isinstance(value, sympy.Basic):

@@ -22,8 +22,8 @@ class Rates:
 
     What dependent storages answer counts as constant here: junctions, TF and GY
     make no power, so that the states of dependent storages do not depend on their
-    answers. These stand in the assignments all the same, where they cancel. Where
-    a law listens to an answer, or for any other purpose, use `full`.
+    answers. These stand in the assignments all the same, where they cancel. What
+    comes by a signal does not cancel: that, and any other use, takes `full`.
 
     Parameters
     ----------
@@ -37,7 +37,7 @@ class Rates:
     answers : collection of Symbol
         What dependent storages answer.
     signals : mapping of Symbol to Symbol
-        Variables by which laws listen to an answer, and the answer.
+        Stand-ins by which laws hear of other variables, and the variable.
 
     Attributes
     ----------
@@ -69,7 +69,7 @@ class Rates:
         self.input_rates: dict[sympy.Symbol, sympy.Symbol] = {}
         self.full = self
         if answers:
-            self.full = Rates(explicit, implicit, states, inputs)
+            self.full = Rates(explicit, implicit, states, inputs, signals=signals)
             self.full._word = "rate"
             self.full.input_rates = self.input_rates
 

@@ -15,7 +15,21 @@ from .storage import C, I, Storage
 from .two_ports import GY, TF, TwoPort
 
 __all__ = [
-    *("EFFORT", "FLOW"),
-    *("Element", "OnePort", "Storage", "TwoPort", "Junction"),
-    *("Se", "Sf", "R", "C", "I", "Friction", "TF", "GY", "Zero", "One"),
+    "C",
+    "EFFORT",
+    "Element",
+    "FLOW",
+    "Friction",
+    "GY",
+    "I",
+    "Junction",
+    "One",
+    "OnePort",
+    "R",
+    "Se",
+    "Sf",
+    "Storage",
+    "TF",
+    "TwoPort",
+    "Zero",
 ]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, Literal
 
 import numpy
 
@@ -33,7 +33,7 @@ def simulate(
     max_events: int = 100_000,
     max_steps: int = 10_000_000,
     time_budget: float = 600.0,
-    backend: str = "auto",
+    backend: Literal["auto", "native", "vm"] = "auto",
 ) -> Trajectory:
     """Simulate a model in time; contacts stick and slip at located events.
 
