@@ -18,8 +18,8 @@ if TYPE_CHECKING:
     from .linear import LinearSystem, linearize
     from .modes import in_mode, smoothed
     from .parameters import Parameter
-    from .steady import SteadyState, steady_state
     from .simulation import CompiledModel, Outcome, Samples, Trajectory, simulate
+    from .steady import SteadyState, steady_state
 
 _HOME = {
     "BondGraph": "graph",

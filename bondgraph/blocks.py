@@ -39,8 +39,12 @@ class AlgebraicLoop:
     solved: str
 
     def __str__(self) -> str:
-        path = " -> ".join((*self.variables[:8], "..." if len(self.variables) > 8 else self.variables[0]))
-        done = "solved symbolically for" if self.solved == "linear" else "kept as algebraic variables:"
+        path = " -> ".join(
+            (*self.variables[:8], "..." if len(self.variables) > 8 else self.variables[0])
+        )
+        done = (
+            "solved symbolically for" if self.solved == "linear" else "kept as algebraic variables:"
+        )
         return f"{self.kind} {path}; {done} {', '.join(self.tearing)}"
 
     @property
@@ -53,7 +57,9 @@ class AlgebraicLoop:
 class SingularLoopError(AlgebraicLoopError):
     """A linear loop that leaves variables open; ``bound`` holds the symbols it relates instead."""
 
-    def __init__(self, message: str, elements: tuple[str, ...], bound: frozenset[sympy.Basic]) -> None:
+    def __init__(
+        self, message: str, elements: tuple[str, ...], bound: frozenset[sympy.Basic]
+    ) -> None:
         super().__init__(message, elements=elements)
         self.bound = bound
 
@@ -98,7 +104,11 @@ def order_and_solve(
     variables = list(explicit) + list(implicit)
     number = {variable: index for index, variable in enumerate(variables)}
     needs = [
-        sorted(number[symbol] for symbol in (explicit.get(variable, implicit.get(variable))).free_symbols if symbol in number)
+        sorted(
+            number[symbol]
+            for symbol in (explicit.get(variable, implicit.get(variable))).free_symbols
+            if symbol in number
+        )
         for variable in variables
     ]
     network = networkx.DiGraph()
@@ -123,7 +133,9 @@ class _Solver:
     """Solves one block after the other, collecting code."""
 
     def __init__(
-        self, explicit: Mapping[sympy.Symbol, sympy.Expr], implicit: Mapping[sympy.Symbol, sympy.Expr]
+        self,
+        explicit: Mapping[sympy.Symbol, sympy.Expr],
+        implicit: Mapping[sympy.Symbol, sympy.Expr],
     ) -> None:
         self.explicit = explicit
         self.implicit = implicit
@@ -143,13 +155,16 @@ class _Solver:
             self.algebraic += tears
             self.assignments += [(variable, self.explicit[variable]) for variable in inner]
             self.residuals += [
-                self.implicit[tear] if tear in self.implicit else tear - self.explicit[tear] for tear in tears
+                self.implicit[tear] if tear in self.implicit else tear - self.explicit[tear]
+                for tear in tears
             ]
         else:
             self.assignments += solution
             self.assignments += [(variable, self.explicit[variable]) for variable in inner]
         if len(block) > 1 or block[0] in self.explicit or solution is None:
-            names = tuple(variable.name for variable in _around(block, self.explicit, self.implicit))
+            names = tuple(
+                variable.name for variable in _around(block, self.explicit, self.implicit)
+            )
             solved = "algebraic" if solution is None else "linear"
             self.loops.append(AlgebraicLoop(names, tuple(tear.name for tear in tears), solved))
 
@@ -158,7 +173,9 @@ class _Solver:
     ) -> list[tuple[sympy.Symbol, sympy.Expr]] | None:
         """Solve for the tears when all expressions of the block are affine in it."""
         members = {*tears, *inner}
-        affine: dict[sympy.Symbol, _Affine] = {tear: _Affine({tear: sympy.S.One}, sympy.S.Zero) for tear in tears}
+        affine: dict[sympy.Symbol, _Affine] = {
+            tear: _Affine({tear: sympy.S.One}, sympy.S.Zero) for tear in tears
+        }
         mark = len(self.assignments)
         rows = []
         for variable in inner:
@@ -177,7 +194,10 @@ class _Solver:
         return self._eliminate(tears, rows)
 
     def _affine(
-        self, expression: sympy.Expr, known: Mapping[sympy.Symbol, _Affine], members: set[sympy.Symbol]
+        self,
+        expression: sympy.Expr,
+        known: Mapping[sympy.Symbol, _Affine],
+        members: set[sympy.Symbol],
     ) -> _Affine | None:
         used = [symbol for symbol in sorted(expression.free_symbols, key=str) if symbol in members]
         total = _Affine({}, expression.xreplace({symbol: sympy.S.Zero for symbol in used}))
@@ -213,10 +233,16 @@ class _Solver:
             row, tear, coefficient = choice
             pending.remove(row)
             left.remove(tear)
-            formula = row.without(tear).scaled(-1 / coefficient).mapped(lambda value: self._hoist(_tidy(value)))
+            formula = (
+                row.without(tear)
+                .scaled(-1 / coefficient)
+                .mapped(lambda value: self._hoist(_tidy(value)))
+            )
             solved.append((tear, formula))
             pending = [
-                other.without(tear).plus(formula, other.terms[tear]).mapped(lambda value: self._hoist(_tidy(value)))
+                other.without(tear)
+                .plus(formula, other.terms[tear])
+                .mapped(lambda value: self._hoist(_tidy(value)))
                 if tear in other.terms
                 else other
                 for other in pending
@@ -260,14 +286,20 @@ class _Affine:
         )
 
     def without(self, variable: sympy.Symbol) -> _Affine:
-        return _Affine({key: value for key, value in self.terms.items() if key != variable}, self.constant)
+        return _Affine(
+            {key: value for key, value in self.terms.items() if key != variable}, self.constant
+        )
 
     def scaled(self, factor: sympy.Expr) -> _Affine:
-        return _Affine({key: value * factor for key, value in self.terms.items()}, self.constant * factor)
+        return _Affine(
+            {key: value * factor for key, value in self.terms.items()}, self.constant * factor
+        )
 
     def mapped(self, change) -> _Affine:  # type: ignore[no-untyped-def]
         terms = {key: change(value) for key, value in self.terms.items()}
-        return _Affine({key: value for key, value in terms.items() if value != 0}, change(self.constant))
+        return _Affine(
+            {key: value for key, value in terms.items() if value != 0}, change(self.constant)
+        )
 
     def expression(self) -> sympy.Expr:
         return sympy.Add(*(value * key for key, value in self.terms.items()), self.constant)
@@ -329,12 +361,16 @@ def _links(
     network = networkx.DiGraph()
     network.add_nodes_from(members)
     for variable in members:
-        needs = sorted((symbol for symbol in table[variable].free_symbols if symbol in inside), key=str)
+        needs = sorted(
+            (symbol for symbol in table[variable].free_symbols if symbol in inside), key=str
+        )
         network.add_edges_from((need, variable) for need in needs)
     return network
 
 
-def _tear(variables: list[sympy.Symbol], explicit: Mapping[sympy.Symbol, sympy.Expr]) -> list[sympy.Symbol]:
+def _tear(
+    variables: list[sympy.Symbol], explicit: Mapping[sympy.Symbol, sympy.Expr]
+) -> list[sympy.Symbol]:
     """Choose variables whose removal leaves no loop: the busiest first."""
     network = _links(variables, explicit)
     tears = []
@@ -347,7 +383,8 @@ def _tear(variables: list[sympy.Symbol], explicit: Mapping[sympy.Symbol, sympy.E
             inner = part.subgraph(component).copy()
             order = {variable: index for index, variable in enumerate(variables)}
             busiest = max(
-                component, key=lambda item: (inner.in_degree(item) * inner.out_degree(item), -order[item])
+                component,
+                key=lambda item: (inner.in_degree(item) * inner.out_degree(item), -order[item]),
             )
             tears.append(busiest)
             inner.remove_node(busiest)

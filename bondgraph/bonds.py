@@ -91,4 +91,6 @@ def _as_chain(part: Any) -> Chain:
                 tuple(tail for chain in chains for tail in chain.tails),
                 tuple(head for chain in chains for head in chain.heads),
             )
-    raise TypeError(f"only elements, junctions and ports are joined by >>, not {part!r}; bond them, or name its port")
+    raise TypeError(
+        f"only elements, junctions and ports are joined by >>, not {part!r}; bond them, or name its port"
+    )

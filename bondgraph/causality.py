@@ -17,7 +17,7 @@ from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from enum import Enum
 
-from .elements import C, Friction, GY, Element, I, Junction, One, R, Se, Sf, Storage, TF
+from .elements import GY, TF, C, Element, Friction, I, Junction, One, R, Se, Sf, Storage
 from .errors import CausalConflictError
 from .graph import BondGraph, GraphBond, check_structure
 

@@ -17,7 +17,7 @@ import sympy
 
 from .blocks import AlgebraicLoop, SingularLoopError, expansion, order_and_solve
 from .causality import CausalGraph, assign_causality
-from .elements import GY, TF, C, Element, Friction, I, One, R, Se, Sf, Storage, TwoPort, Zero
+from .elements import TF, C, Element, Friction, I, One, R, Se, Sf, Storage, TwoPort, Zero
 from .errors import BondGraphError, CausalConflictError, LawError
 from .graph import TIME, BondGraph
 from .rates import Rates

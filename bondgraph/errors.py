@@ -27,7 +27,11 @@ class BondGraphError(Exception):
     """
 
     def __init__(
-        self, message: str, *, elements: tuple[str, ...] | list[str] = (), bonds: tuple[str, ...] | list[str] = ()
+        self,
+        message: str,
+        *,
+        elements: tuple[str, ...] | list[str] = (),
+        bonds: tuple[str, ...] | list[str] = (),
     ) -> None:
         super().__init__(message)
         self.elements = tuple(elements)

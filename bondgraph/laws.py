@@ -39,7 +39,9 @@ def exact(value: Any) -> sympy.Expr:
     1/5
     """
     if isinstance(value, bool | str):
-        raise LawError(f"expected a number or a sympy expression, got {value!r}; make a symbol with sympy.Symbol")
+        raise LawError(
+            f"expected a number or a sympy expression, got {value!r}; make a symbol with sympy.Symbol"
+        )
     try:
         if hasattr(value, "item") and not isinstance(value, sympy.Basic):
             value = value.item()
@@ -125,7 +127,9 @@ def regularised(kinetic: sympy.Expr, speed: sympy.Symbol, slip: Any, width: Any)
     return kinetic.xreplace({speed: sympy.Abs(slip)}) * sympy.tanh(slip / exact(width))
 
 
-def affine_inverse(law: sympy.Expr | None, argument: sympy.Symbol, value: sympy.Symbol) -> sympy.Expr | None:
+def affine_inverse(
+    law: sympy.Expr | None, argument: sympy.Symbol, value: sympy.Symbol
+) -> sympy.Expr | None:
     """Invert a law that is affine in its argument; None where it is not.
 
     Parameters

@@ -79,9 +79,14 @@ def in_mode(graph: BondGraph, modes: Mapping[str, str]) -> BondGraph:
         element = graph.elements.get(name)
         if not isinstance(element, Friction) or element.smoothing is not None:
             known = ", ".join(contacts(graph)) or "none"
-            raise ParameterError(f"{name!r} is no Friction with modes of graph {graph.name!r}; it has {known}", elements=[name])
+            raise ParameterError(
+                f"{name!r} is no Friction with modes of graph {graph.name!r}; it has {known}",
+                elements=[name],
+            )
         if mode not in CODES:
-            raise ParameterError(f"{name!r} has no mode {mode!r}; use {', '.join(CODES)}", elements=[name])
+            raise ParameterError(
+                f"{name!r} has no mode {mode!r}; use {', '.join(CODES)}", elements=[name]
+            )
         changed[name] = _frozen_in(element, CODES[mode])
     return replace(graph, elements=MappingProxyType({**graph.elements, **changed}))
 

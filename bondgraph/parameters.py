@@ -80,7 +80,9 @@ def as_parameter(name: str, given: Any) -> Parameter:
         parameter = Parameter(*parts)
     elif isinstance(given, tuple):
         if len(given) < 2 or len(given) > 4 or not all(isinstance(word, str) for word in given[1:]):
-            raise ParameterError(f"parameter {name!r}: expected (value, 'unit', 'meaning', 'source'), got {given!r}")
+            raise ParameterError(
+                f"parameter {name!r}: expected (value, 'unit', 'meaning', 'source'), got {given!r}"
+            )
         parameter = Parameter(*given)
     else:
         parameter = Parameter(given)
@@ -105,7 +107,10 @@ def unknown_name(kind: str, name: str, known: Iterable[str]) -> ParameterError:
 
 
 def resolve(
-    table: Mapping[sympy.Symbol, Parameter], overrides: Mapping[Any, Any] | None = None, *, partial: bool = False
+    table: Mapping[sympy.Symbol, Parameter],
+    overrides: Mapping[Any, Any] | None = None,
+    *,
+    partial: bool = False,
 ) -> dict[str, float]:
     """Evaluate all parameters to SI numbers, once; see `Resolver` for many times.
 
@@ -167,9 +172,13 @@ class Resolver:
             for symbol, row in table.items()
             if row.value is not None and not row.derived
         }
-        self._functions: dict[sympy.Symbol, tuple[tuple[sympy.Symbol, ...], Callable[..., Any]]] = {}
+        self._functions: dict[
+            sympy.Symbol, tuple[tuple[sympy.Symbol, ...], Callable[..., Any]]
+        ] = {}
 
-    def __call__(self, overrides: Mapping[Any, Any] | None = None, *, partial: bool = False) -> dict[str, float]:
+    def __call__(
+        self, overrides: Mapping[Any, Any] | None = None, *, partial: bool = False
+    ) -> dict[str, float]:
         """Return SI values by name; see `resolve`."""
         given = self._given(overrides or {})
         values: dict[sympy.Symbol, float] = {}
@@ -210,14 +219,19 @@ class Resolver:
         arguments, function = self._function(symbol, row.value)
         if not all(argument in values for argument in arguments):
             return None
-        return _number(symbol.name, row.value, {argument: values[argument] for argument in arguments}, function)
+        return _number(
+            symbol.name, row.value, {argument: values[argument] for argument in arguments}, function
+        )
 
     def _function(
         self, symbol: sympy.Symbol, expression: sympy.Expr
     ) -> tuple[tuple[sympy.Symbol, ...], Callable[..., Any]]:
         if symbol not in self._functions:
             arguments = tuple(sorted(expression.free_symbols, key=lambda item: item.name))
-            self._functions[symbol] = arguments, sympy.lambdify(arguments, expression, modules="math")
+            self._functions[symbol] = (
+                arguments,
+                sympy.lambdify(arguments, expression, modules="math"),
+            )
         return self._functions[symbol]
 
 
@@ -230,7 +244,9 @@ def _in_order(table: Mapping[sympy.Symbol, Parameter]) -> list[sympy.Symbol]:
             return
         if symbol in path:
             loop = " -> ".join(item.name for item in (*path[path.index(symbol) :], symbol))
-            raise ParameterError(f"parameters are defined in a circle: {loop}; give one of them a number")
+            raise ParameterError(
+                f"parameters are defined in a circle: {loop}; give one of them a number"
+            )
         if symbol not in table:
             raise ParameterError(
                 f"parameter {path[-1].name!r} uses {symbol.name!r}, which is no parameter; add it to the table"
@@ -252,7 +268,9 @@ def _override(name: str, value: Any, row: Parameter) -> float:
     if parameter.value is None:
         raise ParameterError(f"parameter {name!r}: expected a number, got {value!r}")
     if parameter.derived:
-        raise ParameterError(f"parameter {name!r}: an override is a number, not the expression {parameter.value}")
+        raise ParameterError(
+            f"parameter {name!r}: an override is a number, not the expression {parameter.value}"
+        )
     if not parameter.unit:
         return float(parameter.value)
     try:
@@ -271,7 +289,9 @@ def _number(
         return float(function(*values.values()))
     except (TypeError, ValueError, ZeroDivisionError, OverflowError):
         shown = ", ".join(f"{key.name} = {value:g}" for key, value in values.items())
-        raise ParameterError(f"parameter {name!r} = {expression} has no real value at {shown}") from None
+        raise ParameterError(
+            f"parameter {name!r} = {expression} has no real value at {shown}"
+        ) from None
 
 
 def _admissible(symbol: sympy.Symbol, value: float) -> float:

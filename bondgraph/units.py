@@ -39,10 +39,20 @@ def parse_unit(unit: str) -> Any:
 
     try:
         return _registry().Unit(unit or "dimensionless")
-    except (pint.UndefinedUnitError, pint.DefinitionSyntaxError, ValueError, TypeError, AttributeError):
-        raise ParameterError(f"unit {unit!r} is not known; write it like 'N/mm', 'rad/s' or 'kg*m^2'") from None
+    except (
+        pint.UndefinedUnitError,
+        pint.DefinitionSyntaxError,
+        ValueError,
+        TypeError,
+        AttributeError,
+    ):
+        raise ParameterError(
+            f"unit {unit!r} is not known; write it like 'N/mm', 'rad/s' or 'kg*m^2'"
+        ) from None
     except Exception as error:  # tokenizer errors of pint have no common base
-        raise ParameterError(f"unit {unit!r} cannot be read ({error}); write it like 'N/mm'") from None
+        raise ParameterError(
+            f"unit {unit!r} cannot be read ({error}); write it like 'N/mm'"
+        ) from None
 
 
 def _check_plain(unit: str) -> None:
@@ -123,7 +133,9 @@ def check_compatible(unit: str, expected: str) -> None:
     angular = ["radian" in str(_base(unit)) for unit in units]
     cyclic = ["hertz" in str(unit) for unit in units]
     if (angular[0] and cyclic[1]) or (angular[1] and cyclic[0]):
-        raise ParameterError(f"'{unit}' and '{expected}' differ by 2 pi; convert by hand so that it is clear")
+        raise ParameterError(
+            f"'{unit}' and '{expected}' differ by 2 pi; convert by hand so that it is clear"
+        )
 
 
 def _base(unit: Any) -> Any:

@@ -15,7 +15,9 @@ from .units import to_si
 
 
 def parameter_values(
-    equations: Equations, overrides: Mapping[Any, Any] | None = None, resolver: Resolver | None = None
+    equations: Equations,
+    overrides: Mapping[Any, Any] | None = None,
+    resolver: Resolver | None = None,
 ) -> dict[str, float]:
     """Resolve the graph's parameters; all that the equations use must have a value.
 
@@ -112,7 +114,11 @@ def _si(name: str, value: Any) -> float:
 
 
 def _by_symbol(equations: Equations, values: Mapping[str, float]) -> dict[sympy.Symbol, float]:
-    return {symbol: values[symbol.name] for symbol in equations.graph.parameters if symbol.name in values}
+    return {
+        symbol: values[symbol.name]
+        for symbol in equations.graph.parameters
+        if symbol.name in values
+    }
 
 
 def _evaluated(expression: sympy.Expr, numbers: Mapping[sympy.Symbol, float]) -> sympy.Expr:

@@ -51,7 +51,9 @@ class Program:
         for label, symbols in self.arguments:
             for symbol in symbols:
                 if symbol in known:
-                    raise ProgramError(f"program {self.name!r}: argument {symbol} of {label!r} stands twice")
+                    raise ProgramError(
+                        f"program {self.name!r}: argument {symbol} of {label!r} stands twice"
+                    )
                 known.add(symbol)
         for symbol, expression in self.assignments:
             if symbol in known:
@@ -104,7 +106,9 @@ class Program:
         >>> program.assignments
         ((y, x + 1),)
         """
-        wanted = {key: tuple(sympy.sympify(item) for item in value) for key, value in results.items()}
+        wanted = {
+            key: tuple(sympy.sympify(item) for item in value) for key, value in results.items()
+        }
         needed: set[sympy.Basic] = set()
         for expressions in wanted.values():
             for expression in expressions:

@@ -127,7 +127,9 @@ def _translate(expression: sympy.Basic, known: dict[sympy.Basic, Any]) -> Any:
         return functools.reduce(operator.mul, arguments)
     function = FUNCTIONS.get(expression.func)
     if function is None:
-        raise ProgramError(f"no CasADi form of {expression.func.__name__} in {expression}; write it in known functions")
+        raise ProgramError(
+            f"no CasADi form of {expression.func.__name__} in {expression}; write it in known functions"
+        )
     return function(*arguments)
 
 
@@ -155,5 +157,9 @@ def _piecewise(expression: sympy.Piecewise, known: dict[sympy.Basic, Any]) -> An
     result: Any = float("nan")
     for value, condition in reversed(expression.args):
         branch = _convert(value, known)
-        result = branch if condition == sympy.true else casadi.if_else(_convert(condition, known), branch, result)
+        result = (
+            branch
+            if condition == sympy.true
+            else casadi.if_else(_convert(condition, known), branch, result)
+        )
     return result

@@ -35,7 +35,9 @@ def to_numpy(program: Program) -> Callable[..., tuple[Array, ...]]:
     [[1.0, 4.0, 9.0]]
     """
     names = _Names()
-    steps = [(names[symbol], names.rename(expression)) for symbol, expression in program.assignments]
+    steps = [
+        (names[symbol], names.rename(expression)) for symbol, expression in program.assignments
+    ]
     results = [[names.rename(expression) for expression in result] for _, result in program.results]
     inner = sympy.lambdify(
         [[names[symbol] for symbol in symbols] for _, symbols in program.arguments],
@@ -58,7 +60,9 @@ def to_numpy(program: Program) -> Callable[..., tuple[Array, ...]]:
 def _stack(values: list[Any], tails: tuple[int, ...]) -> Array:
     if not values:
         return numpy.zeros((0, *tails))
-    return numpy.stack([numpy.broadcast_to(numpy.asarray(value, dtype=float), tails) for value in values])
+    return numpy.stack(
+        [numpy.broadcast_to(numpy.asarray(value, dtype=float), tails) for value in values]
+    )
 
 
 def _needs_scipy(program: Program) -> bool:

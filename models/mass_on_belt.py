@@ -34,7 +34,9 @@ def graph() -> BondGraph:
     """
     belt, body = Zero("belt"), One("body")
     mass, spring = I("mass", m), C("spring", stiffness=k)
-    contact = Friction("contact", kinetic=lambda speed: stribeck(speed, normal=N, mu_s=mu_s, mu_k=mu_k, v_s=v_s))
+    contact = Friction(
+        "contact", kinetic=lambda speed: stribeck(speed, normal=N, mu_s=mu_s, mu_k=mu_k, v_s=v_s)
+    )
     return assemble(
         "mass_on_belt",
         Sf("drive", v_b) >> belt >> body >> (mass, spring, R("damper", c)),

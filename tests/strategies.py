@@ -55,7 +55,9 @@ def listening(draw, sketch: Sketch) -> Sketch:
         others = [other for other in sketch.of("R", "C", "I", "0", "1") if other != name]
         if others and draw(st.booleans()):
             other = draw(st.sampled_from(others))
-            ports = {"0": "e", "1": "f", "C": "efq", "I": "efp"}.get(sketch.elements[other][0], "ef")
+            ports = {"0": "e", "1": "f", "C": "efq", "I": "efp"}.get(
+                sketch.elements[other][0], "ef"
+            )
             found[name] = (f"{other}.{draw(st.sampled_from(ports))}", draw(st.sampled_from(RATIOS)))
     return Sketch(sketch.elements, sketch.bonds, found)
 

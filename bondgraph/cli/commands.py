@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
@@ -32,7 +32,9 @@ def models(as_json: bool) -> None:
 
 @click.command()
 @opt.model_argument
-@click.option("--svg", type=click.Path(dir_okay=False, path_type=Path), help="Draw the graph into this file.")
+@click.option(
+    "--svg", type=click.Path(dir_okay=False, path_type=Path), help="Draw the graph into this file."
+)
 @opt.json_option
 @opt.debug_option
 def show(model: str, svg: Path | None, as_json: bool) -> None:
@@ -58,7 +60,11 @@ def show(model: str, svg: Path | None, as_json: bool) -> None:
 @click.command()
 @opt.model_argument
 @click.option(
-    "--format", "form", type=click.Choice(["text", "latex", "json"]), default="text", help="What to print."
+    "--format",
+    "form",
+    type=click.Choice(["text", "latex", "json"]),
+    default="text",
+    help="What to print.",
 )
 @opt.set_option
 @click.option("--json", "as_json", is_flag=True, help="The same as --format json.")
@@ -85,13 +91,40 @@ def equations(model: str, form: str, settings: tuple[str, ...], as_json: bool) -
 @click.option("--until", required=True, metavar="T", help="End of the run, s.")
 @click.option("--rtol", default="1e-6", metavar="R", help="Relative tolerance (default 1e-6).")
 @opt.set_option
-@click.option("--initial", "start", multiple=True, metavar="NAME=VALUE", help="Initial state. Repeatable.")
-@click.option("--input", "files", multiple=True, metavar="NAME=FILE.csv", help="Input over time, or NAME=VALUE.")
-@click.option("--points", type=click.IntRange(2, 10_000_000), help="Report this many even times (default: steps).")
-@click.option("--smooth", metavar="WIDTH", help="For comparison: tanh friction of this slip width, m/s.")
-@click.option("--backend", type=click.Choice(["auto", "native", "vm"]), default="auto", help="Compiled C or not.")
-@click.option("--out", type=click.Path(dir_okay=False, path_type=Path), help="Write signals to FILE.csv or FILE.nc.")
-@click.option("--plot", type=click.Path(dir_okay=False, path_type=Path), help="Plot the outputs to FILE.svg or .png.")
+@click.option(
+    "--initial", "start", multiple=True, metavar="NAME=VALUE", help="Initial state. Repeatable."
+)
+@click.option(
+    "--input",
+    "files",
+    multiple=True,
+    metavar="NAME=FILE.csv",
+    help="Input over time, or NAME=VALUE.",
+)
+@click.option(
+    "--points",
+    type=click.IntRange(2, 10_000_000),
+    help="Report this many even times (default: steps).",
+)
+@click.option(
+    "--smooth", metavar="WIDTH", help="For comparison: tanh friction of this slip width, m/s."
+)
+@click.option(
+    "--backend",
+    type=click.Choice(["auto", "native", "vm"]),
+    default="auto",
+    help="Compiled C or not.",
+)
+@click.option(
+    "--out",
+    type=click.Path(dir_okay=False, path_type=Path),
+    help="Write signals to FILE.csv or FILE.nc.",
+)
+@click.option(
+    "--plot",
+    type=click.Path(dir_okay=False, path_type=Path),
+    help="Plot the outputs to FILE.svg or .png.",
+)
 @opt.json_option
 @opt.debug_option
 def simulate(
@@ -189,10 +222,25 @@ def _report_run(trajectory: Trajectory, as_json: bool, written: list[Path]) -> i
 @click.command()
 @opt.model_argument
 @opt.set_option
-@click.option("--input", "files", multiple=True, metavar="NAME=VALUE", help="Constant input. Repeatable.")
-@click.option("--mode", "fixed", multiple=True, metavar="NAME=MODE", help="Hold a contact in stick, slip+ or slip-.")
-@click.option("--vary", multiple=True, metavar="NAME=LO:HI:N", help="Follow the eigenvalues along a parameter.")
-@click.option("--report", type=click.Path(file_okay=False, path_type=Path), help="Write an HTML report here.")
+@click.option(
+    "--input", "files", multiple=True, metavar="NAME=VALUE", help="Constant input. Repeatable."
+)
+@click.option(
+    "--mode",
+    "fixed",
+    multiple=True,
+    metavar="NAME=MODE",
+    help="Hold a contact in stick, slip+ or slip-.",
+)
+@click.option(
+    "--vary",
+    multiple=True,
+    metavar="NAME=LO:HI:N",
+    help="Follow the eigenvalues along a parameter.",
+)
+@click.option(
+    "--report", type=click.Path(file_okay=False, path_type=Path), help="Write an HTML report here."
+)
 @opt.json_option
 @opt.debug_option
 def stability(

@@ -83,8 +83,14 @@ def _from_library(word: str) -> BondGraph:
 
     if word not in models.LIBRARY:
         near = difflib.get_close_matches(word, models.LIBRARY, n=2)
-        hint = f"did you mean {' or '.join(near)}?" if near else f"it holds {', '.join(models.LIBRARY)};"
-        raise ModelError(f"model {word!r} is not in the library; {hint} a file is given as file.py:name or file.toml")
+        hint = (
+            f"did you mean {' or '.join(near)}?"
+            if near
+            else f"it holds {', '.join(models.LIBRARY)};"
+        )
+        raise ModelError(
+            f"model {word!r} is not in the library; {hint} a file is given as file.py:name or file.toml"
+        )
     graph = getattr(models, word).graph()
     assert isinstance(graph, BondGraph)
     return graph
@@ -108,8 +114,14 @@ def _from_python(path: Path, name: str) -> BondGraph:
     finally:
         sys.path.remove(str(path.parent.resolve()))
     if graph is None:
-        what = "has no such name" if found is None else f"holds {type(found).__name__}, not a BondGraph"
-        raise ModelError(f"{path}:{name}: the file {what}; name a BondGraph or a function that returns one")
+        what = (
+            "has no such name"
+            if found is None
+            else f"holds {type(found).__name__}, not a BondGraph"
+        )
+        raise ModelError(
+            f"{path}:{name}: the file {what}; name a BondGraph or a function that returns one"
+        )
     return graph
 
 
@@ -121,6 +133,8 @@ def _as_graph(found: Any) -> BondGraph | None:
 
 def _line(error: BaseException, path: Path) -> str:
     """Where in the user's own file it went wrong."""
-    frames = [frame for frame in traceback.extract_tb(error.__traceback__) if Path(frame.filename) == path]
+    frames = [
+        frame for frame in traceback.extract_tb(error.__traceback__) if Path(frame.filename) == path
+    ]
     number = frames[-1].lineno if frames else getattr(error, "lineno", None)
     return f", line {number}" if number else ""

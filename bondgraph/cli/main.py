@@ -52,7 +52,13 @@ def _describe(error: Exception) -> tuple[str, int]:
     from bondgraph import errors
 
     if isinstance(error, errors.BondGraphError):
-        bad = (errors.ParameterError, errors.ModelError, errors.GraphError, errors.LawError, errors.SimulationError)
+        bad = (
+            errors.ParameterError,
+            errors.ModelError,
+            errors.GraphError,
+            errors.LawError,
+            errors.SimulationError,
+        )
         return str(error), BAD_INPUT if isinstance(error, bad) else FAILED
     if isinstance(error, OSError):
         return f"{error.filename or 'file'}: {error.strerror or error}", FAILED

@@ -21,17 +21,23 @@ def model_argument(function: Callable[..., Any]) -> Callable[..., Any]:
 def set_option(function: Callable[..., Any]) -> Callable[..., Any]:
     """Add ``--set NAME=VALUE``."""
     text = "Parameter in SI, or with a unit: k_f=350[N/mm]. Repeatable."
-    return click.option("--set", "settings", multiple=True, metavar="NAME=VALUE", help=text)(function)
+    return click.option("--set", "settings", multiple=True, metavar="NAME=VALUE", help=text)(
+        function
+    )
 
 
 def json_option(function: Callable[..., Any]) -> Callable[..., Any]:
     """Add ``--json``."""
-    return click.option("--json", "as_json", is_flag=True, help="Print one JSON object and nothing else.")(function)
+    return click.option(
+        "--json", "as_json", is_flag=True, help="Print one JSON object and nothing else."
+    )(function)
 
 
 def debug_option(function: Callable[..., Any]) -> Callable[..., Any]:
     """Add ``--debug`` to a command, so that it may stand at the end."""
-    return click.option("--debug", is_flag=True, expose_value=False, help="Show tracebacks.")(function)
+    return click.option("--debug", is_flag=True, expose_value=False, help="Show tracebacks.")(
+        function
+    )
 
 
 def read_settings(settings: tuple[str, ...], what: str = "--set") -> dict[str, Any]:

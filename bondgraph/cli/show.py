@@ -39,13 +39,16 @@ def as_json_object(causal: CausalGraph) -> dict[str, Any]:
     return {
         "schema": 1,
         "model": graph.name,
-        "elements": [{"name": name, "kind": element.kind} for name, element in graph.elements.items()],
+        "elements": [
+            {"name": name, "kind": element.kind} for name, element in graph.elements.items()
+        ],
         "bonds": [
             {"name": stroke.bond, "effort_out_of": stroke.effort_out_of, "reason": stroke.because}
             for stroke in causal.strokes
         ],
         "signals": [
-            {"from": f"{signal.source}.{signal.variable}", "to": signal.target} for signal in graph.signals
+            {"from": f"{signal.source}.{signal.variable}", "to": signal.target}
+            for signal in graph.signals
         ],
         "parameters": {
             symbol.name: {
@@ -68,7 +71,9 @@ def as_json_object(causal: CausalGraph) -> dict[str, Any]:
 def as_tables(causal: CausalGraph) -> None:
     """Print a graph for reading."""
     graph, console = causal.graph, _console()
-    console.print(f"[bold]{graph.name}[/bold]: {len(graph.elements)} elements, {len(graph.bonds)} bonds\n")
+    console.print(
+        f"[bold]{graph.name}[/bold]: {len(graph.elements)} elements, {len(graph.bonds)} bonds\n"
+    )
     elements = _table("Elements", "element", "kind", "law")
     laws = _laws(graph)
     for name, element in graph.elements.items():
@@ -172,14 +177,22 @@ def stability_tables(result: StabilityResult) -> None:
     """Print a stability verdict for reading."""
     console = _console()
     console.print(f"{result.verdict}\n", soft_wrap=False, markup=False)
-    table = _table("Eigenvalues", "eigenvalue [1/s]", "frequency [Hz]", "damping ratio", "stable", "decided by")
+    table = _table(
+        "Eigenvalues", "eigenvalue [1/s]", "frequency [Hz]", "damping ratio", "stable", "decided by"
+    )
     for row in result.rows:
         value = row.eigenvalue
         shown = f"{value.real:.6f}" + (f" {value.imag:+.6f}j" if value.imag else "")
         ratio = "" if row.damping_ratio is None else f"{row.damping_ratio:.6f}"
         table.add_row(
-            shown, f"{row.frequency_hz:.6f}", ratio, "yes" if row.stable else "NO", ", ".join(row.elements)
+            shown,
+            f"{row.frequency_hz:.6f}",
+            ratio,
+            "yes" if row.stable else "NO",
+            ", ".join(row.elements),
         )
     console.print(table)
     for edge in result.edges:
-        console.print(f"edge: {edge.kind} at {edge.parameter} = {edge.value:.9g}, {edge.frequency_hz:.6f} Hz")
+        console.print(
+            f"edge: {edge.kind} at {edge.parameter} = {edge.value:.9g}, {edge.frequency_hz:.6f} Hz"
+        )

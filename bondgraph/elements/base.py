@@ -12,19 +12,24 @@ from ..bonds import Joinable
 from ..errors import GraphError, LawError
 from ..laws import exact
 
-
 EFFORT = "effort"
 FLOW = "flow"
 
 
 def check_name(kind: str, name: Any) -> None:
+    """Refuse names that could not be addressed."""
     if not isinstance(name, str) or not name.strip():
-        raise GraphError(f"{kind} needs a name, got {name!r}; give it a short word such as {kind}('damper', ...)")
+        raise GraphError(
+            f"{kind} needs a name, got {name!r}; give it a short word such as {kind}('damper', ...)"
+        )
     if "." in name or ">" in name:
-        raise GraphError(f"{kind} {name!r}: '.' and '>' are kept for qualified names; use '_' instead")
+        raise GraphError(
+            f"{kind} {name!r}: '.' and '>' are kept for qualified names; use '_' instead"
+        )
 
 
 def variable(name: str) -> sympy.Dummy:
+    """Return a fresh real symbol: two elements of one name share none."""
     return sympy.Dummy(name, real=True)
 
 
@@ -56,15 +61,23 @@ class Element(Joinable):
     @property
     def symbols(self) -> dict[str, sympy.Dummy]:
         """Port variables and states by attribute name, as other laws use them."""
-        return {field.name: getattr(self, field.name) for field in fields(self) if _is_variable(field)}
+        return {
+            field.name: getattr(self, field.name) for field in fields(self) if _is_variable(field)
+        }
 
     @property
     def laws(self) -> dict[str, sympy.Expr]:
         """Law expressions by attribute name."""
-        values = {field.name: getattr(self, field.name) for field in fields(self) if not _is_variable(field)}
+        values = {
+            field.name: getattr(self, field.name)
+            for field in fields(self)
+            if not _is_variable(field)
+        }
         return {key: value for key, value in values.items() if isinstance(value, sympy.Expr)}
 
-    def replaced(self, replacements: Mapping[sympy.Basic, sympy.Basic], name: str | None = None) -> Self:
+    def replaced(
+        self, replacements: Mapping[sympy.Basic, sympy.Basic], name: str | None = None
+    ) -> Self:
         """Return a new element of the same kind with symbols exchanged throughout.
 
         Parameters
@@ -78,7 +91,9 @@ class Element(Joinable):
         for field in fields(self):
             value = getattr(self, field.name)
             object.__setattr__(
-                twin, field.name, value.xreplace(replacements) if isinstance(value, sympy.Basic) else value
+                twin,
+                field.name,
+                value.xreplace(replacements) if isinstance(value, sympy.Basic) else value,
             )
         if name is not None:
             object.__setattr__(twin, "name", name)
@@ -108,7 +123,9 @@ class OnePort(Element):
         try:
             return exact(law(argument) if callable(law) else law)
         except LawError as error:
-            raise LawError(f"{self.kind} {self.name!r}, {what}: {error}", elements=[self.name]) from None
+            raise LawError(
+                f"{self.kind} {self.name!r}, {what}: {error}", elements=[self.name]
+            ) from None
 
     def _one_of(self, **given: Any) -> tuple[str, Any]:
         """Return the one law that was given, by keyword."""
@@ -117,6 +134,7 @@ class OnePort(Element):
             options = ", ".join(given)
             said = "none was" if not chosen else f"{' and '.join(key for key, _ in chosen)} were"
             raise LawError(
-                f"{self.kind} {self.name!r} takes exactly one of {options}; {said} given", elements=[self.name]
+                f"{self.kind} {self.name!r} takes exactly one of {options}; {said} given",
+                elements=[self.name],
             )
         return chosen[0]

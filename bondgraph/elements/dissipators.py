@@ -10,7 +10,7 @@ import sympy
 
 from ..errors import LawError
 from ..laws import affine_inverse, regularised
-from .base import OnePort, variable
+from .base import OnePort
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
@@ -108,17 +108,30 @@ class Friction(OnePort):
     smoothing: sympy.Expr | None
     kind: ClassVar[str] = "Friction"
 
-    def __init__(self, name: str, *, kinetic: Any, breakaway: Any = None, smoothing: Any = None) -> None:
+    def __init__(
+        self, name: str, *, kinetic: Any, breakaway: Any = None, smoothing: Any = None
+    ) -> None:
         self._ports(name)
         self._set(speed=sympy.Dummy(f"{name}.speed", nonnegative=True))
         self._set(kinetic=self._apply("kinetic", kinetic, self.speed))
         highest = self.kinetic.xreplace({self.speed: sympy.S.Zero})
-        self._set(breakaway=highest if breakaway is None else self._apply("breakaway", breakaway, self.speed))
-        self._set(smoothing=None if smoothing is None else self._apply("smoothing", smoothing, self.speed))
+        self._set(
+            breakaway=highest
+            if breakaway is None
+            else self._apply("breakaway", breakaway, self.speed)
+        )
+        self._set(
+            smoothing=None if smoothing is None else self._apply("smoothing", smoothing, self.speed)
+        )
         if self.smoothing is not None and self.smoothing.is_positive is False:
-            raise LawError(f"Friction {name!r}: smoothing is a slip width and must be positive", elements=[name])
+            raise LawError(
+                f"Friction {name!r}: smoothing is a slip width and must be positive",
+                elements=[name],
+            )
         if self.speed in self.breakaway.free_symbols:
-            raise LawError(f"Friction {name!r}: breakaway acts at zero slip and cannot depend on speed; give a force")
+            raise LawError(
+                f"Friction {name!r}: breakaway acts at zero slip and cannot depend on speed; give a force"
+            )
 
     def slipping(self, direction: sympy.Expr) -> sympy.Expr:
         """Effort while slipping in ``direction`` (+1 or -1), as an expression in f."""

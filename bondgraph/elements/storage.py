@@ -52,17 +52,30 @@ class Storage(OnePort):
         form = forms[key]
         if form == "compliant":
             if value == 0:
-                raise LawError(f"{self.kind} {self.name!r}: {key} is zero; leave the element out", elements=[self.name])
+                raise LawError(
+                    f"{self.kind} {self.name!r}: {key} is zero; leave the element out",
+                    elements=[self.name],
+                )
             self._set(law=state / value, inverse=conjugate * value, energy=state**2 / (2 * value))
         elif form == "stiff":
             self._set(
-                law=state * value, inverse=None if value == 0 else conjugate / value, energy=value * state**2 / 2
+                law=state * value,
+                inverse=None if value == 0 else conjugate / value,
+                energy=value * state**2 / 2,
             )
         elif form == "law":
-            self._set(law=value, inverse=affine_inverse(value, state, conjugate), energy=_potential(value, state))
+            self._set(
+                law=value,
+                inverse=affine_inverse(value, state, conjugate),
+                energy=_potential(value, state),
+            )
         else:
             law_of_energy = sympy.diff(value, state)
-            self._set(law=law_of_energy, inverse=affine_inverse(law_of_energy, state, conjugate), energy=value)
+            self._set(
+                law=law_of_energy,
+                inverse=affine_inverse(law_of_energy, state, conjugate),
+                energy=value,
+            )
         self._set(initial=self._apply("initial", initial, state))
 
 
@@ -111,8 +124,15 @@ class C(Storage):
     ) -> None:
         self._ports(name)
         self._set(q=variable(f"{name}.q"))
-        key, law = self._one_of(capacitance=capacitance, stiffness=stiffness, effort=effort, energy=energy)
-        forms = {"capacitance": "compliant", "stiffness": "stiff", "effort": "law", "energy": "energy"}
+        key, law = self._one_of(
+            capacitance=capacitance, stiffness=stiffness, effort=effort, energy=energy
+        )
+        forms = {
+            "capacitance": "compliant",
+            "stiffness": "stiff",
+            "effort": "law",
+            "energy": "energy",
+        }
         self._store(key, law, forms, initial)
 
     @property
@@ -169,7 +189,9 @@ class I(Storage):  # noqa: E742 - the field's name for inertia
         self._ports(name)
         self._set(p=variable(f"{name}.p"))
         key, law = self._one_of(inertance=inertance, flow=flow, energy=energy)
-        self._store(key, law, {"inertance": "compliant", "flow": "law", "energy": "energy"}, initial)
+        self._store(
+            key, law, {"inertance": "compliant", "flow": "law", "energy": "energy"}, initial
+        )
 
     @property
     def state(self) -> sympy.Dummy:

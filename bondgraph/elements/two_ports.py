@@ -33,13 +33,18 @@ class TwoPort(Element):
     def __init__(self, name: str, ratio: Any) -> None:
         check_name(self.kind, name)
         self._set(name=name)
-        self._set(**{port: variable(f"{name}.{port}") for port in ("e_in", "f_in", "e_out", "f_out")})
+        self._set(
+            **{port: variable(f"{name}.{port}") for port in ("e_in", "f_in", "e_out", "f_out")}
+        )
         try:
             self._set(ratio=exact(ratio))
         except LawError as error:
             raise LawError(f"{self.kind} {name!r}, ratio: {error}", elements=[name]) from None
         if self.ratio == 0:
-            raise LawError(f"{self.kind} {name!r}: a ratio of zero joins nothing; remove the element", elements=[name])
+            raise LawError(
+                f"{self.kind} {name!r}: a ratio of zero joins nothing; remove the element",
+                elements=[name],
+            )
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)

@@ -76,9 +76,11 @@ class CompiledModel:
             Bit j is set where contact j is stuck.
         """
         if mask not in self._equations:
-            stuck = [] if mask == 0 else [
-                name for bit, name in enumerate(self.contact_names) if mask >> bit & 1
-            ]
+            stuck = (
+                []
+                if mask == 0
+                else [name for bit, name in enumerate(self.contact_names) if mask >> bit & 1]
+            )
             equations = derive(self._causal, stuck=stuck)
             if equations.algebraic:
                 names = ", ".join(symbol.name for symbol in equations.algebraic)
@@ -128,7 +130,10 @@ class CompiledModel:
     def names(self) -> tuple[str, ...]:
         """Names of all signals: outputs, states, inputs and port variables."""
         equations = self.equations
-        names = [*equations.outputs, *(symbol.name for symbol in (*equations.states, *equations.inputs))]
+        names = [
+            *equations.outputs,
+            *(symbol.name for symbol in (*equations.states, *equations.inputs)),
+        ]
         return tuple(dict.fromkeys([*names, *equations.ports]))
 
     @functools.cached_property
@@ -155,7 +160,9 @@ class CompiledModel:
     def stiffness_at(self) -> Callable[..., Array]:
         """Slope of each state's own law, as a function of ``(t, x, u, p, s)``, of shape (n, ...)."""
         equations = self.equations
-        elements = {f"{name}.{_letter(item)}": (name, item) for name, item in equations.graph.of(Storage)}
+        elements = {
+            f"{name}.{_letter(item)}": (name, item) for name, item in equations.graph.of(Storage)
+        }
         local = {**_own_symbols(equations)}
         slopes = []
         for state in equations.states:
@@ -173,7 +180,9 @@ class CompiledModel:
         element = self.equations.graph.elements[name]
         assert isinstance(element, Storage)
         p = self.equations.parameters
-        law = to_numpy(Program("law", (("q", (element.state,)), ("p", p)), (), (("e", (element.law,)),)))
+        law = to_numpy(
+            Program("law", (("q", (element.state,)), ("p", p)), (), (("e", (element.law,)),))
+        )
         state_program = self._program(
             self.equations, "state", [self.expression(self.equations, f"{name}.{_letter(element)}")]
         )

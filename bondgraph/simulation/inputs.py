@@ -54,12 +54,18 @@ class Samples:
         times = numpy.array(self.times, dtype=float).ravel()
         values = numpy.array(self.values, dtype=float).ravel()
         if not times.size or times.size != values.size:
-            raise ParameterError(f"samples need as many times as values, got {times.size} and {values.size}")
+            raise ParameterError(
+                f"samples need as many times as values, got {times.size} and {values.size}"
+            )
         if not (numpy.isfinite(times).all() and numpy.isfinite(values).all()):
-            raise ParameterError("samples hold values that are not finite; remove or interpolate them")
+            raise ParameterError(
+                "samples hold values that are not finite; remove or interpolate them"
+            )
         if (numpy.diff(times) <= 0).any():
             row = int(numpy.argmax(numpy.diff(times) <= 0)) + 1
-            raise ParameterError(f"sample times must increase; they do not at sample {row} (t = {times[row]:g} s)")
+            raise ParameterError(
+                f"sample times must increase; they do not at sample {row} (t = {times[row]:g} s)"
+            )
         if self.hold not in HOLDS:
             raise ParameterError(f"hold {self.hold!r} is not known; use {' or '.join(HOLDS)}")
         object.__setattr__(self, "times", times)
@@ -91,7 +97,9 @@ class Samples:
         rows = _rows(Path(path))
         _, header = next(rows, (0, []))
         if len(header) < 2:
-            raise ParameterError(f"{path}: the first line must be a header such as 'time [s],{name} [{unit or '1'}]'")
+            raise ParameterError(
+                f"{path}: the first line must be a header such as 'time [s],{name} [{unit or '1'}]'"
+            )
         labels = [_label(cell) for cell in header]
         names = [label for label, _ in labels]
         if name not in names and len(names) != 2:
@@ -100,7 +108,9 @@ class Samples:
         times, values = [], []
         for line, row in rows:
             if len(row) <= column:
-                raise ParameterError(f"{path}, line {line}: {len(row)} cells where the header has {len(header)}")
+                raise ParameterError(
+                    f"{path}, line {line}: {len(row)} cells where the header has {len(header)}"
+                )
             if row[column].strip():
                 times.append(_number(path, line, row[0]))
                 values.append(_number(path, line, row[column]))
@@ -132,11 +142,15 @@ def _number(path: str | Path, line: int, text: str) -> float:
     except ValueError:
         raise ParameterError(f"{path}, line {line}: {text!r} is no number") from None
     if not math.isfinite(value):
-        raise ParameterError(f"{path}, line {line}: {text.strip()} is not a finite number; leave the cell empty for a gap")
+        raise ParameterError(
+            f"{path}, line {line}: {text.strip()} is not a finite number; leave the cell empty for a gap"
+        )
     return value
 
 
-def _scale(path: str | Path, label: tuple[str, str | None], expected: str) -> Callable[[float], float]:
+def _scale(
+    path: str | Path, label: tuple[str, str | None], expected: str
+) -> Callable[[float], float]:
     name, unit = label
     if unit is None:
         return float
@@ -147,7 +161,9 @@ def _scale(path: str | Path, label: tuple[str, str | None], expected: str) -> Ca
     return lambda value: to_si(value, unit)
 
 
-def at(inputs: InputTable | Callable[[float], numpy.ndarray], times: numpy.ndarray) -> numpy.ndarray:
+def at(
+    inputs: InputTable | Callable[[float], numpy.ndarray], times: numpy.ndarray
+) -> numpy.ndarray:
     """Evaluate inputs at times.
 
     Parameters
@@ -176,7 +192,9 @@ def at(inputs: InputTable | Callable[[float], numpy.ndarray], times: numpy.ndarr
     return numpy.array(rows).reshape(len(rows), len(times))
 
 
-def gather(equations: Equations, given: Mapping[Any, Any] | None) -> InputTable | Callable[[float], numpy.ndarray]:
+def gather(
+    equations: Equations, given: Mapping[Any, Any] | None
+) -> InputTable | Callable[[float], numpy.ndarray]:
     """Bring all inputs to one table or function.
 
     Parameters
@@ -256,7 +274,11 @@ def _sampled(signal: Any) -> Callable[[float], float]:
 
 def _table(equations: Equations, signals: Mapping[str, Any]) -> InputTable:
     sampled = [signal for signal in signals.values() if isinstance(signal, Samples)]
-    knots = numpy.unique(numpy.concatenate([signal.times for signal in sampled])) if sampled else numpy.zeros(1)
+    knots = (
+        numpy.unique(numpy.concatenate([signal.times for signal in sampled]))
+        if sampled
+        else numpy.zeros(1)
+    )
     columns: dict[str, numpy.ndarray] = {}
     holds: dict[str, int] = {}
     for name, signal in signals.items():
@@ -270,7 +292,10 @@ def _table(equations: Equations, signals: Mapping[str, Any]) -> InputTable:
 
 
 def _rates(
-    equations: Equations, knots: numpy.ndarray, columns: dict[str, numpy.ndarray], holds: dict[str, int]
+    equations: Equations,
+    knots: numpy.ndarray,
+    columns: dict[str, numpy.ndarray],
+    holds: dict[str, int],
 ) -> None:
     """Add the rates of inputs that the equations use: slopes of straight lines."""
     for symbol, rate in equations.input_rates.items():

@@ -143,7 +143,9 @@ def _grid(t_eval: Any, span: tuple[float, float]) -> numpy.ndarray | None:
     if not numpy.isfinite(grid).all() or (numpy.diff(grid) <= 0).any():
         raise SimulationError("t_eval must be finite and increasing")
     if grid.size and (grid[0] < span[0] or grid[-1] > span[1]):
-        raise SimulationError(f"t_eval reaches from {grid[0]:g} s to {grid[-1]:g} s, outside {span[0]:g} s to {span[1]:g} s")
+        raise SimulationError(
+            f"t_eval reaches from {grid[0]:g} s to {grid[-1]:g} s, outside {span[0]:g} s to {span[1]:g} s"
+        )
     return grid
 
 

@@ -136,7 +136,10 @@ class Trajectory:
         """States and outputs at the last good time."""
         names = (*self.states, *self.model.equations.outputs)
         values = self._evaluate(
-            names, numpy.array([self.t_end]), self.x_end.reshape(-1, 1), self.codes_end.reshape(1, -1)
+            names,
+            numpy.array([self.t_end]),
+            self.x_end.reshape(-1, 1),
+            self.codes_end.reshape(1, -1),
         )
         return {name: float(value[0]) for name, value in zip(names, values, strict=True)}
 
@@ -181,7 +184,11 @@ class Trajectory:
         (k,) array
         """
         return numpy.array(
-            [event.t for event in self.events if event.to_mode == "stick" and element in (None, event.element)]
+            [
+                event.t
+                for event in self.events
+                if event.to_mode == "stick" and element in (None, event.element)
+            ]
         )
 
     def columns(self, names: tuple[str, ...] | None = None) -> dict[str, Array]:
@@ -202,10 +209,15 @@ class Trajectory:
         """
         xarray = _optional("xarray")
         data = {
-            name: ("time", values, {"units": self.unit(name)}) for name, values in self.columns(names).items()
+            name: ("time", values, {"units": self.unit(name)})
+            for name, values in self.columns(names).items()
         }
         modes = {
-            f"{name}.mode": ("time", column.astype(numpy.int8), {"meaning": "0 stick, 1 slip+, -1 slip-"})
+            f"{name}.mode": (
+                "time",
+                column.astype(numpy.int8),
+                {"meaning": "0 stick, 1 slip+, -1 slip-"},
+            )
             for name, column in zip(self.model.contact_names, self.codes.T, strict=True)
         }
         attributes = {
@@ -214,7 +226,9 @@ class Trajectory:
             "t_end": self.t_end,
             **{f"parameter {name}": value for name, value in self.parameters.items()},
         }
-        return xarray.Dataset({**data, **modes}, {"time": ("time", self.t, {"units": "s"})}, attributes)
+        return xarray.Dataset(
+            {**data, **modes}, {"time": ("time", self.t, {"units": "s"})}, attributes
+        )
 
     def to_dataframe(self, names: tuple[str, ...] | None = None) -> pandas.DataFrame:
         """Return a pandas DataFrame indexed by time.
@@ -263,8 +277,15 @@ class Trajectory:
             file.write(f"# model {self.model.equations.name}, outcome {self.outcome.value}\n")
             writer = csv.writer(file)
             units = [self.unit(name) for name in columns]
-            writer.writerow(["time [s]", *(f"{n} [{u}]" if u else n for n, u in zip(columns, units, strict=True))])
-            writer.writerows([repr(float(v)) for v in row] for row in zip(self.t, *columns.values(), strict=True))
+            writer.writerow(
+                [
+                    "time [s]",
+                    *(f"{n} [{u}]" if u else n for n, u in zip(columns, units, strict=True)),
+                ]
+            )
+            writer.writerows(
+                [repr(float(v)) for v in row] for row in zip(self.t, *columns.values(), strict=True)
+            )
 
     def _evaluate(self, names: tuple[str, ...], t: Array, x: Array, codes: Array) -> Array:
         """Evaluate signals sample by sample in the equations of the sample's own mode."""
@@ -274,14 +295,18 @@ class Trajectory:
             except KeyError:
                 raise unknown_name("signal", name, self.names) from None
         out = numpy.empty((len(names), len(t)))
-        p = numpy.array([self.parameters[symbol.name] for symbol in self.model.equations.parameters])
+        p = numpy.array(
+            [self.parameters[symbol.name] for symbol in self.model.equations.parameters]
+        )
         u = at(self.inputs, t)
         bits = 1 << numpy.arange(codes.shape[1])
         masks = ((codes == 0) * bits).sum(axis=1).astype(int)
         for mask in numpy.unique(masks):
             here = masks == mask
             function = self.model.signals(int(mask), names)
-            out[:, here] = function(t[None, here], x[:, here], u[:, here], p[:, None], codes[here].T)
+            out[:, here] = function(
+                t[None, here], x[:, here], u[:, here], p[:, None], codes[here].T
+            )
         return out
 
 

@@ -42,8 +42,12 @@ def sheet() -> dict[sympy.Symbol, Parameter]:
     s = SYMBOLS
     turn = 2 * sympy.pi
     return {
-        s.k_f: Parameter(350.0, "N/mm", "bending stiffness of the rear frame at the caliper", PAPER),
-        s.k_w: Parameter(90.0, "N/mm", "torsional stiffness of the wheel, seen at the rotor's rim", PAPER),
+        s.k_f: Parameter(
+            350.0, "N/mm", "bending stiffness of the rear frame at the caliper", PAPER
+        ),
+        s.k_w: Parameter(
+            90.0, "N/mm", "torsional stiffness of the wheel, seen at the rotor's rim", PAPER
+        ),
         s.f_f: Parameter(300.0, "Hz", "fundamental frequency of the frame", PAPER),
         s.f_w: Parameter(200.0, "Hz", "fundamental frequency of the wheel", PAPER),
         s.r_r: Parameter(0.08, "m", "rotor radius", PAPER),
@@ -57,16 +61,34 @@ def sheet() -> dict[sympy.Symbol, Parameter]:
         s.F_k: Parameter(900.0, "N", "kinetic braking force at full lever", PAPER),
         s.tau: Parameter(0.03, "s", "time constant of pad application", READING),
         s.m_f: Parameter(s.k_f / (turn * s.f_f) ** 2, "kg", "effective mass of the frame", DERIVED),
-        s.m_w: Parameter(s.k_w / (turn * s.f_w) ** 2, "kg", "effective mass of hub and rotor at the rotor's rim", DERIVED),
+        s.m_w: Parameter(
+            s.k_w / (turn * s.f_w) ** 2,
+            "kg",
+            "effective mass of hub and rotor at the rotor's rim",
+            DERIVED,
+        ),
         s.J_r: Parameter(s.m_w * s.r_r**2, "kg*m^2", "inertia of hub and rotor", DERIVED),
-        s.k_t: Parameter(s.k_w * s.r_r**2, "N*m/rad", "wind-up stiffness of tyre and spokes", DERIVED),
-        s.b_f: Parameter(2 * s.zeta_f * sympy.sqrt(s.k_f * s.m_f), "N*s/m", "damping of the frame", DERIVED),
-        s.b_w: Parameter(2 * s.zeta_w * sympy.sqrt(s.k_w * s.m_w), "N*s/m", "damping of the wheel at the rotor's rim", DERIVED),
-        s.b_t: Parameter(s.b_w * s.r_r**2, "N*m*s/rad", "wind-up damping of tyre and spokes", DERIVED),
+        s.k_t: Parameter(
+            s.k_w * s.r_r**2, "N*m/rad", "wind-up stiffness of tyre and spokes", DERIVED
+        ),
+        s.b_f: Parameter(
+            2 * s.zeta_f * sympy.sqrt(s.k_f * s.m_f), "N*s/m", "damping of the frame", DERIVED
+        ),
+        s.b_w: Parameter(
+            2 * s.zeta_w * sympy.sqrt(s.k_w * s.m_w),
+            "N*s/m",
+            "damping of the wheel at the rotor's rim",
+            DERIVED,
+        ),
+        s.b_t: Parameter(
+            s.b_w * s.r_r**2, "N*m*s/rad", "wind-up damping of tyre and spokes", DERIVED
+        ),
         s.omega_t: Parameter(s.V0 / s.r_r, "rad/s", "wheel speed imposed by the road", DERIVED),
         s.V_b: Parameter(s.r_t * s.omega_t, "m/s", "speed of the bicycle, no tyre slip", DERIVED),
         s.N0: Parameter(s.F_k / s.mu_k, "N", "normal force of both pads at full lever", DERIVED),
-        s.J_t: Parameter(0.11, "kg*m^2", "inertia of tyre and rim, behind the imposed speed", ASSUMED),
+        s.J_t: Parameter(
+            0.11, "kg*m^2", "inertia of tyre and rim, behind the imposed speed", ASSUMED
+        ),
         s.A_p: Parameter(7.6e-4, "m^2", "piston area of both pads (two pistons of 22 mm)", ASSUMED),
         s.C_h: Parameter(1e-18, "m^3/Pa", "compliance of the brake fluid", FREE),
         s.p_l: Parameter(s.N0 / s.A_p, "Pa", "lever pressure", DERIVED),

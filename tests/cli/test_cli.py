@@ -29,7 +29,10 @@ def read(*words):
 
 
 def test_models_lists_the_library():
-    assert {row["name"] for row in read("models", "--json")["models"]} >= {"bicycle_brake", "frame_brake"}
+    assert {row["name"] for row in read("models", "--json")["models"]} >= {
+        "bicycle_brake",
+        "frame_brake",
+    }
     assert "bicycle_brake" in call("models").stdout
 
 
@@ -68,7 +71,15 @@ def test_stability_finds_the_edge_along_a_parameter():
 
 def test_equations_in_three_forms():
     found = read("equations", "bicycle_brake", "--format", "json")
-    assert set(found) >= {"schema", "states", "algebraic", "inputs", "parameters", "causality", "warnings"}
+    assert set(found) >= {
+        "schema",
+        "states",
+        "algebraic",
+        "inputs",
+        "parameters",
+        "causality",
+        "warnings",
+    }
     assert found["parameters"]["k_f"]["unit"]
     assert any("wheel.tyre" in line for line in found["warnings"])
     assert "rear.mass.p" in call("equations", "bicycle_brake").stdout
@@ -83,7 +94,16 @@ def test_show_prints_and_draws(tmp_path):
 
 
 def test_simulate_writes_files(tmp_path):
-    words = ["--until", "0.05", "--points", "101", "--out", str(tmp_path / "run.csv"), "--plot", str(tmp_path / "run.png")]
+    words = [
+        "--until",
+        "0.05",
+        "--points",
+        "101",
+        "--out",
+        str(tmp_path / "run.csv"),
+        "--plot",
+        str(tmp_path / "run.png"),
+    ]
     call("simulate", "mass_on_belt", *words)
     assert len((tmp_path / "run.csv").read_text().splitlines()) == 103
     assert (tmp_path / "run.png").stat().st_size > 5000
@@ -152,7 +172,11 @@ BAD = [
 ]
 
 
-@pytest.mark.parametrize(("words", "match"), BAD, ids=lambda value: " ".join(value)[-40:] if isinstance(value, list) else "")
+@pytest.mark.parametrize(
+    ("words", "match"),
+    BAD,
+    ids=lambda value: " ".join(value)[-40:] if isinstance(value, list) else "",
+)
 def test_bad_input_is_one_line_and_exit_two(words, match):
     import re
 
@@ -183,7 +207,9 @@ def test_debug_shows_the_traceback():
 
 def test_help_costs_little():
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
-    subprocess.run([sys.executable, "-m", "bondgraph.cli", "--help"], check=True, capture_output=True)
+    subprocess.run(
+        [sys.executable, "-m", "bondgraph.cli", "--help"], check=True, capture_output=True
+    )
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
     used = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
     assert used < 0.5  # CPU seconds, the contract

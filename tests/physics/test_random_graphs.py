@@ -15,7 +15,7 @@ import scipy.optimize
 from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 
-from bondgraph import derive, linearize
+from bondgraph import Equations, derive, linearize
 from bondgraph.errors import AlgebraicLoopError, BondGraphError, CausalConflictError
 
 from ..sketches import PRIME, Derived, Fraction, Raw, Sketch, residue
@@ -34,15 +34,21 @@ BIG = settings(
 
 def check(sketch: Sketch, seed: int, symbolic: bool = False) -> None:
     """Derive and compare everything; or be told why not, and check that it is so."""
-    rng = random.Random(seed)
-    first, second = (rng.randrange(1, PRIME) for _ in range(2))
-    raw = Raw(sketch)
     try:
         equations = derive(sketch.graph(symbolic))
     except (CausalConflictError, AlgebraicLoopError) as error:
         assert error.elements
-        assert raw.determinant(first) == 0, "refused, though the raw equations have a solution"
-        return
+        point = random.Random(seed).randrange(1, PRIME)
+        assert Raw(sketch).determinant(point) == 0, "refused, though there is a solution"
+    else:
+        compare(equations, sketch, seed)
+
+
+def compare(equations: Equations, sketch: Sketch, seed: int) -> None:
+    """Compare derived equations with the raw ones: poles, and responses of every variable."""
+    rng = random.Random(seed)
+    first, second = (rng.randrange(1, PRIME) for _ in range(2))
+    raw = Raw(sketch)
     derived = Derived(equations, sketch.residues)
     # one polynomial is a constant times the other: the same finite eigenvalues
     at_first, at_second = raw.determinant(first), raw.determinant(second)
@@ -81,6 +87,29 @@ def test_symbols_as_parameters(sketch, seed):
 @given(sketches(junctions=14, loops=6, ones=2, chain=1, sources=False), SEEDS)
 def test_large_meshes(sketch, seed):
     check(sketch, seed)
+
+
+@settings(BIG, max_examples=100)
+@given(sketches(signals=True), SEEDS)
+def test_sources_that_follow_other_variables(sketch, seed):
+    """Signals carry no power: what they close may be refused by name, never answered wrongly."""
+    try:
+        equations = derive(sketch.graph())
+    except BondGraphError as error:
+        assert str(error)
+    else:
+        compare(equations, sketch, seed)
+
+
+@pytest.mark.slow
+@settings(BIG, max_examples=1000)
+@given(sketches(signals=True), SEEDS)
+def test_a_thousand_with_signals(sketch, seed):
+    try:
+        equations = derive(sketch.graph())
+    except BondGraphError:
+        return
+    compare(equations, sketch, seed)
 
 
 @pytest.mark.slow

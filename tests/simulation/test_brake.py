@@ -75,7 +75,9 @@ def test_a_stuck_brake_does_not_creep(model):
 
 def test_tanh_friction_is_wrong_in_the_way_that_is_known(model):
     settings = FIGURES["fig8"]["params"]
-    coarse = simulate(smoothed(bicycle_brake.graph(), 1e-3), 0.5, settings, t_eval=np.linspace(0, 0.5, 50001))
+    coarse = simulate(
+        smoothed(bicycle_brake.graph(), 1e-3), 0.5, settings, t_eval=np.linspace(0, 0.5, 50001)
+    )
     rising = (coarse["V_c"][:-1] < 0) & (coarse["V_c"][1:] >= 0)
     frequency = 4 / np.diff(coarse.t[1:][rising][[-9, -1]])[0]  # the caliper swings twice a cycle
     assert not coarse.events
@@ -92,6 +94,10 @@ def test_virtual_machine_agrees_with_compiled_code(model):
     settings = FIGURES["fig8"]["params"]
     grid = np.linspace(0, 0.03, 31)
     runs = [simulate(model, 0.03, settings, t_eval=grid, backend=b) for b in ("native", "vm")]
-    assert [event.to_mode for event in runs[0].events] == [event.to_mode for event in runs[1].events]
-    assert np.allclose([e.t for e in runs[0].events], [e.t for e in runs[1].events], rtol=0, atol=1e-11)
+    assert [event.to_mode for event in runs[0].events] == [
+        event.to_mode for event in runs[1].events
+    ]
+    assert np.allclose(
+        [e.t for e in runs[0].events], [e.t for e in runs[1].events], rtol=0, atol=1e-11
+    )
     assert np.allclose(runs[0].x, runs[1].x, rtol=1e-9, atol=1e-18)

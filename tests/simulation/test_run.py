@@ -8,7 +8,20 @@ import numpy as np
 import pytest
 import sympy
 
-from bondgraph import C, CompiledModel, Friction, I, One, R, Samples, Se, Sf, Zero, assemble, simulate
+from bondgraph import (
+    C,
+    CompiledModel,
+    Friction,
+    I,
+    One,
+    R,
+    Samples,
+    Se,
+    Sf,
+    Zero,
+    assemble,
+    simulate,
+)
 from bondgraph.errors import BondGraphError, ParameterError, SimulationError
 from bondgraph.models import LIBRARY, mass_on_belt, quarter_car
 from bondgraph import models
@@ -38,7 +51,9 @@ def test_free_oscillation_follows_its_closed_form():
 def test_a_source_of_time_is_followed():
     """Se(exp(-t)) on R and C of one: q = t exp(-t)."""
     loop = One("loop")
-    graph = assemble("driven", Se("E", sympy.exp(-sympy.Symbol("t"))) >> loop >> (R("r", 1), C("c", 1)))
+    graph = assemble(
+        "driven", Se("E", sympy.exp(-sympy.Symbol("t"))) >> loop >> (R("r", 1), C("c", 1))
+    )
     t = np.linspace(0, 5, 51)
     run = simulate(graph, (0, 5), t_eval=t, rtol=1e-10)
     assert np.abs(run["c.q"] - t * np.exp(-t)).max() < 1e-9
@@ -59,7 +74,9 @@ def test_mass_on_belt_meets_the_closed_form(case, moves):
     graph = belt(case.m, case.k, case.v_b, case.F_s, case.F_k)
     for rtol, tolerance in ((1e-8, 1e-8), (1e-4, 1e-3)):
         run = simulate(graph, end, initial={"mass.p": case.m * start}, rtol=rtol)
-        assert [(e.from_mode, e.to_mode) for e in run.events] == [(e.left, e.entered) for e in expected]
+        assert [(e.from_mode, e.to_mode) for e in run.events] == [
+            (e.left, e.entered) for e in expected
+        ]
         gaps = [found.t - right.t for found, right in zip(run.events, expected, strict=True)]
         assert max(map(abs, gaps), default=0.0) < tolerance
 
@@ -79,7 +96,9 @@ def test_a_pushed_mass_breaks_away_when_the_push_exceeds_the_hold():
     v = One("v")
     graph = assemble(
         "pushed",
-        Se("hand", push) >> v >> (I("m", 1), Friction("floor", kinetic=lambda slip: 3, breakaway=4)),
+        Se("hand", push)
+        >> v
+        >> (I("m", 1), Friction("floor", kinetic=lambda slip: 3, breakaway=4)),
         inputs={push: "N"},
     )
     run = simulate(graph, 6, inputs={"push": ([0, 6], [0, 6])}, rtol=1e-9)
@@ -91,17 +110,25 @@ def test_a_pushed_mass_breaks_away_when_the_push_exceeds_the_hold():
 @pytest.mark.parametrize("backend", ["native", "vm"])
 def test_inputs_are_held_as_declared(backend):
     u = sympy.Symbol("u")
-    graph = assemble("integrator", Sf("pump", u) >> Zero("tank") >> (C("level", 1), R("leak", 1e9)), inputs=[u])
+    graph = assemble(
+        "integrator", Sf("pump", u) >> Zero("tank") >> (C("level", 1), R("leak", 1e9)), inputs=[u]
+    )
     times, values = [0, 1, 2], [1, 3, 2]
     for hold, volume in (("linear", 2 + 2.5 + 2), ("zero", 1 + 3 + 2)):
-        run = simulate(graph, 3, inputs={u: Samples(times, values, hold)}, backend=backend, rtol=1e-10)
+        run = simulate(
+            graph, 3, inputs={u: Samples(times, values, hold)}, backend=backend, rtol=1e-10
+        )
         assert run.final["level.q"] == pytest.approx(volume, rel=1e-7)
 
 
 def test_a_callable_input_runs_on_the_virtual_machine():
-    run = simulate(quarter_car.graph(), 0.2, inputs={"v_road": lambda t: 0.1 * math.sin(30 * t)}, rtol=1e-8)
+    run = simulate(
+        quarter_car.graph(), 0.2, inputs={"v_road": lambda t: 0.1 * math.sin(30 * t)}, rtol=1e-8
+    )
     t = np.linspace(0, 0.2, 4001)
-    table = simulate(quarter_car.graph(), 0.2, inputs={"v_road": (t, 0.1 * np.sin(30 * t))}, rtol=1e-8)
+    table = simulate(
+        quarter_car.graph(), 0.2, inputs={"v_road": (t, 0.1 * np.sin(30 * t))}, rtol=1e-8
+    )
     assert run.backend == "vm"
     assert run.final["v_body"] == pytest.approx(table.final["v_body"], rel=1e-4)
 
