@@ -153,10 +153,10 @@ class TestRefused:
     def test_expressions_without_a_real_value(self, expression):
         zero = sympy.Symbol("zero", real=True)
         table = {zero: Parameter(0), k: Parameter(expression.xreplace({f: zero}))}
-        with pytest.raises(ParameterError, match="'k' = .* has no real value at zero = 0"):
+        with pytest.raises(ParameterError, match=r"'k' = .* has no real value at zero = 0"):
             resolve(table)
 
     def test_units_are_checked_with_the_parameter_s_name(self):
         check_unit("k", "N/mm", "N/m")
-        with pytest.raises(ParameterError, match="'k'.*does not measure"):
+        with pytest.raises(ParameterError, match=r"'k'.*does not measure"):
             check_unit("k", "kg", "N/m")

@@ -33,7 +33,7 @@ def test_there_and_back(value, unit, si):
     "unit", ["N/(", "2*m", "m+s", "m**x", "5", '"', "blorp", "__import__('os')"]
 )
 def test_unknown_units_are_refused_by_name(unit):
-    with pytest.raises(ParameterError, match="unit .* (is not known|cannot be read)"):
+    with pytest.raises(ParameterError, match=r"unit .* (is not known|cannot be read)"):
         to_si(1, unit)
 
 

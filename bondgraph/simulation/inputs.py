@@ -252,7 +252,8 @@ def _signal(name: str, value: Any) -> Any:
 def _function(signals: Mapping[str, Any], needs_rate: set[str]) -> Callable[[float], numpy.ndarray]:
     if needs_rate:
         raise ParameterError(
-            f"input {min(needs_rate)!r} drives a dependent storage, so its rate is needed; give Samples instead of a function"
+            f"input {min(needs_rate)!r} drives a dependent storage, so its rate is needed; "
+            f"give Samples instead of a function"
         )
     parts = [signal if callable(signal) else _sampled(signal) for signal in signals.values()]
 

@@ -64,7 +64,7 @@ def test_stability_finds_the_edge_along_a_parameter():
     found = read("stability", "bicycle_brake", *FIG9, "--vary", "V0=0.8:1.3:21", "--json")
     (edge,) = found["edges"]
     assert edge["kind"] == "hopf" and edge["parameter"] == "V0"
-    slope, frequency, slip = oracle.hopf(oracle.Brake(mu_s=0.5, tau=0.06, v_s=0.2))
+    _, frequency, slip = oracle.hopf(oracle.Brake(mu_s=0.5, tau=0.06, v_s=0.2))
     assert edge["value"] == pytest.approx(slip, rel=1e-6)
     assert edge["frequency_hz"] == pytest.approx(frequency, rel=1e-6)
 

@@ -157,7 +157,7 @@ def test_energy_is_balanced_on_every_model(name):
 
 def test_energy_of_a_nonlinear_law_without_potential_is_integrated():
     v = One("v")
-    graph = assemble("hard", v >> (I("m", 1, initial=1), C("k", effort=lambda q: sympy.sinh(q))))
+    graph = assemble("hard", v >> (I("m", 1, initial=1), C("k", effort=sympy.sinh)))
     run = simulate(graph, 5, rtol=1e-10)
     assert abs(run.energy.relative_residual) < 1e-9
 

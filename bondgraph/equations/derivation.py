@@ -1,185 +1,20 @@
-"""Equations: from strokes to ordered assignments.
-
-Every effort and flow of the graph becomes one variable with one assignment.
-Variables shared at a junction are one variable, so nothing is copied. The
-assignments are put in order by their dependencies; what depends on itself is
-a loop (algebraic loops, dependent storages, stuck contacts) and is solved
-inside its own block only: symbolically where linear, kept as algebraic
-variables where not. Cost grows with the graph, not with its square.
-"""
+"""Derivation: each element writes its equations, then all are put in order and solved."""
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping
-from dataclasses import dataclass, field, replace
+from collections.abc import Collection, Iterable
+from dataclasses import replace
 
 import sympy
 
-from .blocks import AlgebraicLoop, SingularLoopError, expansion, order_and_solve
-from .causality import CausalGraph, assign_causality
-from .elements import TF, C, Element, Friction, I, One, R, Se, Sf, Storage, TwoPort, Zero
-from .errors import BondGraphError, CausalConflictError, LawError
-from .graph import TIME, BondGraph
-from .rates import Rates
-
-
-@dataclass(frozen=True)
-class Contact:
-    """A dry-friction contact as the equations see it.
-
-    Attributes
-    ----------
-    name : str
-        Qualified name of the element.
-    direction : Symbol
-        +1 or -1 while slipping; a free symbol of the equations.
-    slip, effort : Symbol
-        The contact's flow and effort.
-    breakaway : Expr
-        Largest effort while stuck, in the equations' variables.
-    stuck : bool
-        Whether these equations hold the contact stuck.
-    """
-
-    name: str
-    direction: sympy.Symbol
-    slip: sympy.Symbol
-    effort: sympy.Symbol
-    breakaway: sympy.Expr
-    stuck: bool
-
-
-@dataclass(frozen=True, eq=False)
-class Equations:
-    """State equations of a bond graph as ordered assignments.
-
-    Attributes
-    ----------
-    name : str
-    states : tuple of Symbol
-        Named like ``rear.mass.p``.
-    inputs : tuple of Symbol
-        Inputs, and rates of inputs where a dependent storage needs them.
-    parameters : tuple of Symbol
-        The parameters that the equations use.
-    algebraic : tuple of Symbol
-        Variables that remain implicit; as many as `residuals`.
-    residuals : tuple of Expr
-        Each is zero.
-    assignments : tuple of (Symbol, Expr)
-        Ordered: each uses states, inputs, parameters, algebraic variables,
-        time, directions of slip and earlier assignments only.
-    derivatives : tuple of Expr
-        Rate of each state.
-    outputs : mapping of str to Expr
-    initial : tuple of Expr
-        Default initial value of each state, in parameters.
-    contacts : tuple of Contact
-    supplied, dissipated : mapping of str to Expr
-        Power given by each source, and taken by each dissipator. Where a
-        storage's law is modulated, the modulation's work counts as supplied.
-    energies : mapping of str to Expr or None
-        Stored energy of each storage in the equations' variables; None where
-        the law has no known potential.
-    dependent : mapping of str to Expr
-        State of each storage in derivative causality, in the equations' variables.
-    loops : tuple of AlgebraicLoop
-    causal : CausalGraph
-    ports : mapping of str to Expr
-        Every element's port variables and states by qualified name, such as
-        ``rear.mass.f``, in the equations' variables.
-    input_rates : mapping of Symbol to Symbol
-        Input to its rate, where a dependent storage needs the rate.
-    warnings : tuple of str
-
-    Examples
-    --------
-    >>> from bondgraph import C, One, R, Se, assemble, derive
-    >>> loop = One("loop")
-    >>> rc = derive(assemble("rc", Se("E", 1) >> loop >> (R("r", 2), C("c", 3))))
-    >>> rc.explicit()
-    {c.q: 1/2 - c.q/6}
-    """
-
-    name: str
-    states: tuple[sympy.Symbol, ...]
-    inputs: tuple[sympy.Symbol, ...]
-    parameters: tuple[sympy.Symbol, ...]
-    algebraic: tuple[sympy.Symbol, ...]
-    residuals: tuple[sympy.Expr, ...]
-    assignments: tuple[tuple[sympy.Symbol, sympy.Expr], ...]
-    derivatives: tuple[sympy.Expr, ...]
-    outputs: Mapping[str, sympy.Expr]
-    initial: tuple[sympy.Expr, ...]
-    contacts: tuple[Contact, ...]
-    supplied: Mapping[str, sympy.Expr]
-    dissipated: Mapping[str, sympy.Expr]
-    energies: Mapping[str, sympy.Expr | None]
-    dependent: Mapping[str, sympy.Expr]
-    loops: tuple[AlgebraicLoop, ...]
-    causal: CausalGraph
-    ports: Mapping[str, sympy.Expr] = field(default_factory=dict)
-    input_rates: Mapping[sympy.Symbol, sympy.Symbol] = field(default_factory=dict)
-
-    @property
-    def graph(self) -> BondGraph:
-        """The graph these equations come from."""
-        return self.causal.graph
-
-    @property
-    def time(self) -> sympy.Symbol:
-        """The symbol of time."""
-        return TIME
-
-    @property
-    def directions(self) -> tuple[sympy.Symbol, ...]:
-        """Slip directions of the contacts, in order."""
-        return tuple(contact.direction for contact in self.contacts)
-
-    @property
-    def warnings(self) -> tuple[str, ...]:
-        """Everything a careful reader should know: parts, dependence, loops."""
-        rates = (
-            f"the rate of input {symbol.name!r} is needed, as {rate.name}: a dependent storage follows it"
-            for symbol, rate in self.input_rates.items()
-        )
-        return (*self.graph.warnings, *self.causal.warnings, *map(str, self.loops), *rates)
-
-    @property
-    def arguments(self) -> frozenset[sympy.Symbol]:
-        """All symbols that are given from outside."""
-        return frozenset(
-            (TIME, *self.states, *self.inputs, *self.parameters, *self.algebraic, *self.directions)
-        )
-
-    def substituted(self, expression: sympy.Expr) -> sympy.Expr:
-        """Expand an expression until only states, inputs, parameters and the like are left.
-
-        Parameters
-        ----------
-        expression : Expr
-            In the equations' variables.
-
-        Returns
-        -------
-        Expr
-            Not simplified. Meant for small models: size may grow fast.
-        """
-        return expression.xreplace(expansion(self.assignments, expression.free_symbols))
-
-    def explicit(self) -> dict[sympy.Symbol, sympy.Expr]:
-        """Return the expanded, simplified rate of each state.
-
-        For display and analysis of small models; simulation never needs it.
-
-        Returns
-        -------
-        dict of Symbol to Expr
-        """
-        return {
-            state: sympy.simplify(self.substituted(rate))
-            for state, rate in zip(self.states, self.derivatives, strict=True)
-        }
+from ..blocks import SingularLoopError, order_and_solve
+from ..causality import CausalGraph, assign_causality
+from ..elements import TF, C, Element, Friction, I, One, R, Se, Sf, Storage, TwoPort, Zero
+from ..errors import BondGraphError, CausalConflictError, LawError
+from ..graph import BondGraph
+from ..rates import Rates
+from .nets import Nets
+from .value import Contact, Equations, assert_closed
 
 
 def derive(graph: BondGraph | CausalGraph, stuck: Collection[str] = ()) -> Equations:
@@ -211,10 +46,15 @@ def derive(graph: BondGraph | CausalGraph, stuck: Collection[str] = ()) -> Equat
     ['6 - 2*m.p']
     """
     causal = graph if isinstance(graph, CausalGraph) else assign_causality(graph)
-    open_contacts = {name for name, element in causal.graph.of(Friction) if element.smoothing is None}
+    open_contacts = {
+        name for name, element in causal.graph.of(Friction) if element.smoothing is None
+    }
     unknown = [name for name in stuck if name not in open_contacts]
     if unknown:
-        raise BondGraphError(f"{', '.join(unknown)}: no Friction with modes of graph {causal.graph.name!r}", elements=unknown)
+        raise BondGraphError(
+            f"{', '.join(unknown)}: no Friction with modes of graph {causal.graph.name!r}",
+            elements=unknown,
+        )
     if stuck:
         return _Derivation(causal, frozenset(stuck)).equations()
     return _with_hidden_constraints(causal)
@@ -226,7 +66,11 @@ def _with_hidden_constraints(causal: CausalGraph) -> Equations:
     Strokes do not know signs and ratios: terms that cancel round a loop can relate storages
     that causality takes for independent.
     """
-    names = {f"{name}.{letter}": name for letter, kind in (("q", C), ("p", I)) for name, _ in causal.graph.of(kind)}
+    names = {
+        f"{name}.{letter}": name
+        for letter, kind in (("q", C), ("p", I))
+        for name, _ in causal.graph.of(kind)
+    }
     dependent: list[str] = []
     while True:
         try:
@@ -242,56 +86,6 @@ def _with_hidden_constraints(causal: CausalGraph) -> Equations:
                 raise singular from None
 
 
-class _Nets:
-    """Variables: one symbol for each effort and flow, shared at junctions."""
-
-    def __init__(self, graph: BondGraph) -> None:
-        self._parent: dict[tuple[str, int], tuple[str, int]] = {}
-        self.at: dict[str, list[int]] = {name: [] for name in graph.elements}
-        for index, bond in enumerate(graph.bonds):
-            self._parent[("e", index)] = ("e", index)
-            self._parent[("f", index)] = ("f", index)
-            self.at[bond.tail].append(index)
-            self.at[bond.head].append(index)
-        for name, element in graph.elements.items():
-            if isinstance(element, Zero | One):
-                which = "e" if isinstance(element, Zero) else "f"
-                for index in self.at[name][1:]:
-                    self._join((which, self.at[name][0]), (which, index))
-        self._symbols: dict[tuple[str, int], sympy.Symbol] = {}
-        self._name(graph)
-
-    def symbol(self, which: str, bond: int) -> sympy.Symbol:
-        """Return the variable that a bond's effort ('e') or flow ('f') is."""
-        return self._symbols[self._find((which, bond))]
-
-    def _find(self, key: tuple[str, int]) -> tuple[str, int]:
-        while self._parent[key] != key:
-            self._parent[key] = self._parent[self._parent[key]]
-            key = self._parent[key]
-        return key
-
-    def _join(self, first: tuple[str, int], second: tuple[str, int]) -> None:
-        self._parent[self._find(second)] = self._find(first)
-
-    def _name(self, graph: BondGraph) -> None:
-        """Name each variable after a junction that shares it, else a port, else its bond."""
-        for name, element in graph.elements.items():
-            if isinstance(element, Zero | One):
-                which = "e" if isinstance(element, Zero) else "f"
-                self._give((which, self.at[name][0]), f"{name}.{which}")
-        for kinds in (Storage, (R, Friction, Se, Sf)):
-            for name, _ in graph.of(kinds):  # type: ignore[arg-type]
-                self._give(("e", self.at[name][0]), f"{name}.e")
-                self._give(("f", self.at[name][0]), f"{name}.f")
-        for index, bond in enumerate(graph.bonds):
-            self._give(("e", index), f"{bond.name}.e")
-            self._give(("f", index), f"{bond.name}.f")
-
-    def _give(self, key: tuple[str, int], name: str) -> None:
-        self._symbols.setdefault(self._find(key), sympy.Symbol(name, real=True))
-
-
 class _Derivation:
     """Builds the tables of variables, then orders and solves them."""
 
@@ -299,7 +93,7 @@ class _Derivation:
         self.causal = causal
         self.graph = causal.graph
         self.stuck = stuck
-        self.nets = _Nets(self.graph)
+        self.nets = Nets(self.graph)
         self.explicit: dict[sympy.Symbol, sympy.Expr] = {}
         self.implicit: dict[sympy.Symbol, sympy.Expr] = {}
         self.states: dict[sympy.Symbol, sympy.Symbol] = {}
@@ -321,20 +115,26 @@ class _Derivation:
         for name, element in self.graph.elements.items():
             self._write(name, self._listening(element))
         heard = {signal: variable for variable, signal in self.signals.items()}
-        rates = Rates(self.explicit, self.implicit, self.states, self.graph.inputs, self.answers, heard)
+        rates = Rates(
+            self.explicit, self.implicit, self.states, self.graph.inputs, self.answers, heard
+        )
         self._dependent_storages(rates)
         self._stuck_contacts(rates)
         rates.finish()
         self._forget_signals()
         self._modulated_storages(rates)
-        outputs = {name: self._local(output.expression) for name, output in self.graph.outputs.items()}
+        outputs = {
+            name: self._local(output.expression) for name, output in self.graph.outputs.items()
+        }
         ordered = order_and_solve(self.explicit, self.implicit)
         inputs = (*self.graph.inputs, *rates.input_rates.values())
         result = Equations(
             name=self.graph.name,
             states=tuple(self.states),
             inputs=inputs,
-            parameters=self._used_parameters(ordered.assignments, ordered.residuals, outputs.values()),
+            parameters=self._used_parameters(
+                ordered.assignments, ordered.residuals, outputs.values()
+            ),
             algebraic=ordered.algebraic,
             residuals=ordered.residuals,
             assignments=ordered.assignments,
@@ -351,7 +151,7 @@ class _Derivation:
             ports=self._ports(),
             input_rates=dict(rates.input_rates),
         )
-        _assert_closed(result)
+        assert_closed(result)
         return result
 
     def _port_variables(self) -> dict[sympy.Basic, sympy.Symbol]:
@@ -375,7 +175,9 @@ class _Derivation:
             self._two_port_variables(name, element, names)
         return names
 
-    def _two_port_variables(self, name: str, element: TwoPort, names: dict[sympy.Basic, sympy.Symbol]) -> None:
+    def _two_port_variables(
+        self, name: str, element: TwoPort, names: dict[sympy.Basic, sympy.Symbol]
+    ) -> None:
         """Name a two-port's ports; a bond drawn against its side reverses the flow."""
         into, out = self._sides(name)
         names[element.e_in] = self.nets.symbol("e", into)
@@ -427,7 +229,8 @@ class _Derivation:
                 table[key] = expression.xreplace(heard)
         self.initial = [expression.xreplace(heard) for expression in self.initial]
         self.contacts = [
-            replace(contact, breakaway=contact.breakaway.xreplace(heard)) for contact in self.contacts
+            replace(contact, breakaway=contact.breakaway.xreplace(heard))
+            for contact in self.contacts
         ]
 
     def _write(self, name: str, element: object) -> None:
@@ -570,7 +373,10 @@ class _Derivation:
             energy = self._local(element.energy)
             outside = energy.free_symbols - {self.storage[name]} - set(self.graph.parameters)
             work = sympy.Add(
-                *(sympy.diff(energy, symbol) * rates.full.of(symbol) for symbol in sorted(outside, key=str))
+                *(
+                    sympy.diff(energy, symbol) * rates.full.of(symbol)
+                    for symbol in sorted(outside, key=str)
+                )
             )
             if work != 0:
                 self.supplied[f"{name} (modulation)"] = work
@@ -603,29 +409,3 @@ class _Derivation:
         for expression in (*residuals, *outputs, *self.initial, *energies, *breakaways):
             used |= expression.free_symbols
         return tuple(symbol for symbol in self.graph.parameters if symbol in used)
-
-
-def _assert_closed(equations: Equations) -> None:
-    """Check that no bond variable is left over and that equations match unknowns."""
-    known = set(equations.arguments)
-    for symbol, expression in equations.assignments:
-        leftover = expression.free_symbols - known
-        if leftover:
-            raise BondGraphError(f"internal error: {symbol} uses {leftover} before it is known; please report the graph")
-        known.add(symbol)
-    expressions: list[sympy.Expr] = [
-        *equations.residuals,
-        *equations.derivatives,
-        *equations.outputs.values(),
-        *equations.supplied.values(),
-        *equations.dissipated.values(),
-    ]
-    expressions += [contact.breakaway for contact in equations.contacts]
-    for expression in expressions:
-        leftover = expression.free_symbols - known
-        if leftover:
-            raise BondGraphError(f"internal error: {leftover} is left over in {expression}; please report the graph")
-    if len(equations.algebraic) != len(equations.residuals):
-        raise BondGraphError("internal error: equations and unknowns differ in number; please report the graph")
-
-

@@ -1,126 +1,21 @@
-"""Causality: which end of each bond decides its effort, and why.
-
-The sequential causality assignment procedure (SCAP): sources first, storage in
-integral causality, elements whose law has only one direction, then the free
-choices; each choice is propagated through the junction structure before the
-next. Every stroke keeps its reason and the stroke it follows from.
-
-References
-----------
-Karnopp, Margolis, Rosenberg, System Dynamics, 5th ed., Wiley 2012, ch. 3 and 5.
-"""
+"""The sequential causality assignment procedure, with every cause kept."""
 
 from __future__ import annotations
 
 from collections import deque
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from enum import Enum
 
-from .elements import GY, TF, C, Element, Friction, I, Junction, One, R, Se, Sf, Storage
-from .errors import CausalConflictError
-from .graph import BondGraph, GraphBond, check_structure
-
-
-class Reason(Enum):
-    """Why a bond has its stroke."""
-
-    SOURCE = "source"
-    INTEGRAL = "integral"
-    DERIVATIVE = "derivative"
-    LAW = "law"
-    ARBITRARY = "arbitrary"
-    PROPAGATED = "propagated"
-
+from ..elements import GY, TF, C, Element, Friction, I, Junction, One, R, Se, Sf, Storage
+from ..errors import CausalConflictError
+from ..graph import BondGraph, GraphBond, check_structure
+from .value import CausalGraph, Reason, Stroke
 
 # Whether an element, left to itself, decides the effort of its bond.
 PREFERRED: dict[type[Element], bool] = {Se: True, Sf: False, C: True, I: False, Friction: True}
 
 # A message lists no more causes than these.
 MAX_CAUSES = 4
-
-
-@dataclass(frozen=True)
-class Stroke:
-    """The causality of one bond.
-
-    Attributes
-    ----------
-    bond : str
-        Name of the bond.
-    effort_out_of : str
-        Element that decides the effort; the other end decides the flow. The
-        causal stroke is drawn at the other end.
-    flow_out_of : str
-        Element that decides the flow.
-    reason : Reason
-    because : str
-        The reason in words.
-    """
-
-    bond: str
-    effort_out_of: str
-    flow_out_of: str
-    reason: Reason
-    because: str
-
-
-@dataclass(frozen=True, eq=False)
-class CausalGraph:
-    """A bond graph with a causal stroke on every bond.
-
-    Attributes
-    ----------
-    graph : BondGraph
-    strokes : tuple of Stroke
-        In the order of ``graph.bonds``.
-    integral, derivative : tuple of str
-        Qualified names of storages in integral and in derivative causality.
-
-    Examples
-    --------
-    >>> from bondgraph import I, One, R, Se, assemble, assign_causality
-    >>> v = One("v")
-    >>> pair = assemble("pair", Se("F", 1) >> v >> (I("a", 2), I("b", 3), R("r", 0.5)))
-    >>> assign_causality(pair).derivative
-    ('b',)
-    """
-
-    graph: BondGraph
-    strokes: tuple[Stroke, ...]
-    integral: tuple[str, ...]
-    derivative: tuple[str, ...]
-
-    def decides_effort(self, element: str, bond: str) -> bool:
-        """Whether an element decides the effort of a bond."""
-        return self.stroke(bond).effort_out_of == element
-
-    def stroke(self, bond: str) -> Stroke:
-        """Return the stroke of a bond by its name."""
-        for stroke in self.strokes:
-            if stroke.bond == bond:
-                return stroke
-        raise KeyError(bond)
-
-    def explain(self) -> str:
-        """Say in words, line by line, how each stroke came about."""
-        lines = [f"{stroke.bond}: effort out of {stroke.effort_out_of} ({stroke.because})" for stroke in self.strokes]
-        return "\n".join(lines + list(self.warnings))
-
-    @property
-    def warnings(self) -> tuple[str, ...]:
-        """Storages that could not keep integral causality, with the reason."""
-        by_end = {bond.head: stroke for bond, stroke in zip(self.graph.bonds, self.strokes, strict=True)}
-        by_end |= {
-            bond.tail: stroke
-            for bond, stroke in zip(self.graph.bonds, self.strokes, strict=True)
-            if isinstance(self.graph.elements[bond.tail], Storage)
-        }
-        return tuple(
-            f"{self.graph.elements[name].kind} {name!r} is in derivative causality "
-            f"({by_end[name].because}): it adds no state of its own"
-            for name in self.derivative
-        )
 
 
 def assign_causality(graph: BondGraph, dependent: Collection[str] = ()) -> CausalGraph:
@@ -238,7 +133,9 @@ class _Scap:
             self._require(self._wish(name, Reason.SOURCE))
         for name in self.dependent:
             wish = self._wish(name, Reason.INTEGRAL)
-            cause = _Cause(Reason.DERIVATIVE, f"a loop of junctions binds the state of {name!r}", name)
+            cause = _Cause(
+                Reason.DERIVATIVE, f"a loop of junctions binds the state of {name!r}", name
+            )
             self._require(replace(wish, end=self._other(wish.index, wish.end), cause=cause))
         self._assign(list(self._choices()))
 
@@ -274,7 +171,12 @@ class _Scap:
             Reason.ARBITRARY: f"free choice of {element.kind} {name!r}",
         }
         index = self.at[name][0]
-        return _Choice(index, name if out else self._other(index, name), _Cause(reason, words[reason], name), firm)
+        return _Choice(
+            index,
+            name if out else self._other(index, name),
+            _Cause(reason, words[reason], name),
+            firm,
+        )
 
     def stroke(self, index: int) -> Stroke:
         """Return the finished stroke of one bond."""
@@ -364,10 +266,17 @@ class _Scap:
         ends = [bond.tail, bond.head]
         shared = [self._shared_end(index, item) for item in (before, cause)]
         candidates = [name for name in (*shared, *ends) if name is not None]
-        name = next((n for n in candidates if isinstance(self.graph.elements[n], Junction)), candidates[0])
+        name = next(
+            (n for n in candidates if isinstance(self.graph.elements[n], Junction)), candidates[0]
+        )
         element = self.graph.elements[name]
         if not isinstance(element, Junction):
-            return _Conflict(name, "its two bonds ask for causalities that it cannot join", [index], [before, cause])
+            return _Conflict(
+                name,
+                "its two bonds ask for causalities that it cannot join",
+                [index],
+                [before, cause],
+            )
         others = [item.parent for item in (before, cause) if item.parent is not None]
         count = "no bond decides" if self._decides(index, name, element) else "two bonds decide"
         return _Conflict(name, f"{count} its {element.shared}", [*others, index], [before, cause])
@@ -377,7 +286,9 @@ class _Scap:
         if cause.parent is None:
             return None
         here, there = self.bonds[index], self.bonds[cause.parent]
-        return next((end for end in (here.tail, here.head) if end in (there.tail, there.head)), None)
+        return next(
+            (end for end in (here.tail, here.head) if end in (there.tail, there.head)), None
+        )
 
     def _follow(self, name: str, index: int) -> list[tuple[int, str, _Cause]]:
         """Return the strokes that an element's rule forces after bond ``index`` is set."""
@@ -393,15 +304,23 @@ class _Scap:
             return [(other, name if forced else self._other(other, name), cause)]
         return []
 
-    def _follow_junction(self, name: str, junction: Junction, index: int) -> list[tuple[int, str, _Cause]]:
+    def _follow_junction(
+        self, name: str, junction: Junction, index: int
+    ) -> list[tuple[int, str, _Cause]]:
         bonds = self.at[name]
-        deciding = [bond for bond in bonds if bond in self.effort and self._decides(bond, name, junction)]
+        deciding = [
+            bond for bond in bonds if bond in self.effort and self._decides(bond, name, junction)
+        ]
         if len(deciding) > 1:
             causes = [self.cause[bond] for bond in deciding]
             raise _Conflict(name, f"two bonds decide its {junction.shared}", deciding, causes)
         if deciding and deciding[0] == index:
             cause = self._passed(name, junction, index, [index])
-            return [(bond, self._end(bond, name, junction, False), cause) for bond in bonds if bond != index]
+            return [
+                (bond, self._end(bond, name, junction, False), cause)
+                for bond in bonds
+                if bond != index
+            ]
         if deciding:
             return []
         free = [bond for bond in bonds if bond not in self.effort]
@@ -446,12 +365,19 @@ class _Scap:
     def _error(self, conflict: _Conflict) -> CausalConflictError:
         """Name the causes that stand whatever is chosen, and the choices that were never free."""
         roots = _roots(conflict.causes)
-        named = list(dict.fromkeys(cause for root in roots for cause in (_grounds(root) if root.told else (root,))))
+        named = list(
+            dict.fromkeys(
+                cause for root in roots for cause in (_grounds(root) if root.told else (root,))
+            )
+        )
         where = f"causal conflict at {self._place(conflict)}: {conflict.said}"
         if named:
             message = f"{where}: {_listed(named)}; remove one of them, or put an R, C or I between"
         else:
-            message = f"{where}, whatever is chosen elsewhere; the junctions alone contradict each other: part them by an R, C or I"
+            message = (
+                f"{where}, whatever is chosen elsewhere; the junctions alone contradict each other: "
+                f"part them by an R, C or I"
+            )
         return CausalConflictError(
             message,
             elements=list(dict.fromkeys([conflict.element, *(cause.element for cause in named)])),

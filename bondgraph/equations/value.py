@@ -1,0 +1,202 @@
+"""The equations as a frozen value, and the check that nothing is left over."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import sympy
+
+from ..blocks import AlgebraicLoop, expansion
+from ..causality import CausalGraph
+from ..errors import BondGraphError
+from ..graph import TIME, BondGraph
+
+
+@dataclass(frozen=True)
+class Contact:
+    """A dry-friction contact as the equations see it.
+
+    Attributes
+    ----------
+    name : str
+        Qualified name of the element.
+    direction : Symbol
+        +1 or -1 while slipping; a free symbol of the equations.
+    slip, effort : Symbol
+        The contact's flow and effort.
+    breakaway : Expr
+        Largest effort while stuck, in the equations' variables.
+    stuck : bool
+        Whether these equations hold the contact stuck.
+    """
+
+    name: str
+    direction: sympy.Symbol
+    slip: sympy.Symbol
+    effort: sympy.Symbol
+    breakaway: sympy.Expr
+    stuck: bool
+
+
+@dataclass(frozen=True, eq=False)
+class Equations:
+    """State equations of a bond graph as ordered assignments.
+
+    Attributes
+    ----------
+    name : str
+    states : tuple of Symbol
+        Named like ``rear.mass.p``.
+    inputs : tuple of Symbol
+        Inputs, and rates of inputs where a dependent storage needs them.
+    parameters : tuple of Symbol
+        The parameters that the equations use.
+    algebraic : tuple of Symbol
+        Variables that remain implicit; as many as `residuals`.
+    residuals : tuple of Expr
+        Each is zero.
+    assignments : tuple of (Symbol, Expr)
+        Ordered: each uses states, inputs, parameters, algebraic variables,
+        time, directions of slip and earlier assignments only.
+    derivatives : tuple of Expr
+        Rate of each state.
+    outputs : mapping of str to Expr
+    initial : tuple of Expr
+        Default initial value of each state, in parameters.
+    contacts : tuple of Contact
+    supplied, dissipated : mapping of str to Expr
+        Power given by each source, and taken by each dissipator. Where a
+        storage's law is modulated, the modulation's work counts as supplied.
+    energies : mapping of str to Expr or None
+        Stored energy of each storage in the equations' variables; None where
+        the law has no known potential.
+    dependent : mapping of str to Expr
+        State of each storage in derivative causality, in the equations' variables.
+    loops : tuple of AlgebraicLoop
+    causal : CausalGraph
+    ports : mapping of str to Expr
+        Every element's port variables and states by qualified name, such as
+        ``rear.mass.f``, in the equations' variables.
+    input_rates : mapping of Symbol to Symbol
+        Input to its rate, where a dependent storage needs the rate.
+    warnings : tuple of str
+
+    Examples
+    --------
+    >>> from bondgraph import C, One, R, Se, assemble, derive
+    >>> loop = One("loop")
+    >>> rc = derive(assemble("rc", Se("E", 1) >> loop >> (R("r", 2), C("c", 3))))
+    >>> rc.explicit()
+    {c.q: 1/2 - c.q/6}
+    """
+
+    name: str
+    states: tuple[sympy.Symbol, ...]
+    inputs: tuple[sympy.Symbol, ...]
+    parameters: tuple[sympy.Symbol, ...]
+    algebraic: tuple[sympy.Symbol, ...]
+    residuals: tuple[sympy.Expr, ...]
+    assignments: tuple[tuple[sympy.Symbol, sympy.Expr], ...]
+    derivatives: tuple[sympy.Expr, ...]
+    outputs: Mapping[str, sympy.Expr]
+    initial: tuple[sympy.Expr, ...]
+    contacts: tuple[Contact, ...]
+    supplied: Mapping[str, sympy.Expr]
+    dissipated: Mapping[str, sympy.Expr]
+    energies: Mapping[str, sympy.Expr | None]
+    dependent: Mapping[str, sympy.Expr]
+    loops: tuple[AlgebraicLoop, ...]
+    causal: CausalGraph
+    ports: Mapping[str, sympy.Expr] = field(default_factory=dict)
+    input_rates: Mapping[sympy.Symbol, sympy.Symbol] = field(default_factory=dict)
+
+    @property
+    def graph(self) -> BondGraph:
+        """The graph these equations come from."""
+        return self.causal.graph
+
+    @property
+    def time(self) -> sympy.Symbol:
+        """The symbol of time."""
+        return TIME
+
+    @property
+    def directions(self) -> tuple[sympy.Symbol, ...]:
+        """Slip directions of the contacts, in order."""
+        return tuple(contact.direction for contact in self.contacts)
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """Everything a careful reader should know: parts, dependence, loops."""
+        rates = (
+            f"the rate of input {symbol.name!r} is needed, as {rate.name}: a dependent storage follows it"
+            for symbol, rate in self.input_rates.items()
+        )
+        return (*self.graph.warnings, *self.causal.warnings, *map(str, self.loops), *rates)
+
+    @property
+    def arguments(self) -> frozenset[sympy.Symbol]:
+        """All symbols that are given from outside."""
+        return frozenset(
+            (TIME, *self.states, *self.inputs, *self.parameters, *self.algebraic, *self.directions)
+        )
+
+    def substituted(self, expression: sympy.Expr) -> sympy.Expr:
+        """Expand an expression until only states, inputs, parameters and the like are left.
+
+        Parameters
+        ----------
+        expression : Expr
+            In the equations' variables.
+
+        Returns
+        -------
+        Expr
+            Not simplified. Meant for small models: size may grow fast.
+        """
+        return expression.xreplace(expansion(self.assignments, expression.free_symbols))
+
+    def explicit(self) -> dict[sympy.Symbol, sympy.Expr]:
+        """Return the expanded, simplified rate of each state.
+
+        For display and analysis of small models; simulation never needs it.
+
+        Returns
+        -------
+        dict of Symbol to Expr
+        """
+        return {
+            state: sympy.simplify(self.substituted(rate))
+            for state, rate in zip(self.states, self.derivatives, strict=True)
+        }
+
+
+def assert_closed(equations: Equations) -> None:
+    """Check that no bond variable is left over and that equations match unknowns."""
+    known = set(equations.arguments)
+    for symbol, expression in equations.assignments:
+        leftover = expression.free_symbols - known
+        if leftover:
+            raise BondGraphError(
+                f"internal error: {symbol} uses {leftover} before it is known; please report the graph"
+            )
+        known.add(symbol)
+    expressions: list[sympy.Expr] = [
+        *equations.residuals,
+        *equations.derivatives,
+        *equations.outputs.values(),
+        *equations.supplied.values(),
+        *equations.dissipated.values(),
+    ]
+    expressions += [contact.breakaway for contact in equations.contacts]
+    for expression in expressions:
+        leftover = expression.free_symbols - known
+        if leftover:
+            raise BondGraphError(
+                f"internal error: {leftover} is left over in {expression}; please report the graph"
+            )
+    if len(equations.algebraic) != len(equations.residuals):
+        raise BondGraphError(
+            "internal error: equations and unknowns differ in number; please report the graph"
+        )
