@@ -208,7 +208,10 @@ def _at(equations: Equations, expression: sympy.Expr, numbers: Mapping[str, floa
 def _check_names(graph: BondGraph, guess: Mapping[Any, float] | None) -> None:
     """Refuse a guess for what is a state in no mode, nor an output."""
     known = [
-        *(f"{name}.{'q' if isinstance(element, C) else 'p'}" for name, element in graph.of(Storage)),
+        *(
+            f"{name}.{'q' if isinstance(element, C) else 'p'}"
+            for name, element in graph.of(Storage)
+        ),
         *graph.outputs,
     ]
     for key in guess or {}:

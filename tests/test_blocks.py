@@ -155,7 +155,9 @@ class TestNonlinearLoops:
 
 class TestSingularLoops:
     def test_undetermined(self):
-        with pytest.raises(AlgebraicLoopError, match=r"through .* has no unique solution") as caught:
+        with pytest.raises(
+            AlgebraicLoopError, match=r"through .* has no unique solution"
+        ) as caught:
             order_and_solve({x: y, y: x}, {})
         assert set(caught.value.elements) <= {"x", "y"}
         assert caught.value.bound == frozenset()
@@ -190,9 +192,7 @@ class TestReport:
         (loop,) = order_and_solve({x: z, y: x + u, z: -y}, {}).loops
         around = loop.variables + loop.variables[:1]
         needs = {"y": "x", "z": "y", "x": "z"}
-        assert all(
-            needs[after] == before for before, after in itertools.pairwise(around)
-        )
+        assert all(needs[after] == before for before, after in itertools.pairwise(around))
 
 
 def test_expansion_goes_only_where_it_must():

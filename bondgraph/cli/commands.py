@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import click
 
@@ -136,7 +136,7 @@ def simulate(
     files: tuple[str, ...],
     points: int | None,
     smooth: str | None,
-    backend: str,
+    backend: Literal["auto", "native", "vm"],
     out: Path | None,
     plot: Path | None,
     as_json: bool,

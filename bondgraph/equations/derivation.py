@@ -107,7 +107,11 @@ class _Derivation:
             index: stroke.effort_out_of for index, stroke in enumerate(causal.strokes)
         }
         self.names = self._port_variables()
-        self.answers = {self._conjugate(self.graph.elements[name]) for name in causal.derivative}
+        self.answers = {
+            self._conjugate(element)
+            for name, element in self.graph.of(Storage)
+            if name in causal.derivative
+        }
         self.signals: dict[sympy.Symbol, sympy.Symbol] = {}
 
     def equations(self) -> Equations:

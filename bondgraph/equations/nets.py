@@ -47,7 +47,7 @@ class Nets:
                 which = "e" if isinstance(element, Zero) else "f"
                 self._give((which, self.at[name][0]), f"{name}.{which}")
         for kinds in (Storage, (R, Friction, Se, Sf)):
-            for name, _ in graph.of(kinds):  # type: ignore[arg-type]
+            for name, _ in graph.of(kinds):
                 self._give(("e", self.at[name][0]), f"{name}.e")
                 self._give(("f", self.at[name][0]), f"{name}.f")
         for index, bond in enumerate(graph.bonds):

@@ -257,7 +257,7 @@ static void first_step(Run *r)
     r->h = small;
 }
 
-/* ---------------------------------------------------------------------------- events inside a step */
+/* ---------------------------------------------------------------------------- events in a step */
 
 typedef double (*Level)(Run *r, double tau);
 
@@ -831,8 +831,10 @@ static void commit(Run *r)
     r->bad = r->halvings = 0;
     r->energy = larger(r->energy, fabs(r->energy0 + r->x[n] - r->x[n + 1]));
     const double amplitude = 1e-7 * sqrt(2 * r->energy);
-    for (i64 i = 0; i < n; i++)
-        r->at.floor[i] = larger(r->at.floor[i], larger(1e-3 * fabs(r->x[i]), r->weights[i] * amplitude));
+    for (i64 i = 0; i < n; i++) {
+        const double size = larger(1e-3 * fabs(r->x[i]), r->weights[i] * amplitude);
+        r->at.floor[i] = larger(r->at.floor[i], size);
+    }
     for (i64 j = 0; j < r->k; j++) all_armed &= r->armed[j];
     if (all_armed) r->shrinks = r->futile = 0;
 }

@@ -1,7 +1,8 @@
 """Event-driven integration of a model with dry-friction switches.
 
 One run: a `Problem` and `Options` go in, a `Solution` comes out. The work is done by ``driver.c``
-on compiled modes, or by its Python twin in ``stepper.py`` on CasADi's virtual machine.
+on modes compiled with ``kernel.c``, or by their Python twin in ``stepper.py`` on CasADi's virtual
+machine; both give the same bits.
 """
 
 from __future__ import annotations

@@ -60,9 +60,6 @@ static inline double larger(double a, double b) { return a > b ? a : b; }
 #endif
 
 #define ROOM(count) ((count) > 0 ? (count) : 1)
-/* CasADi's code asks whether each argument is there. */
-#define PRESENT(pointer) do { if (!(pointer)) __builtin_unreachable(); } while (0)
-
 static inline void inputs(const Step *q, double t, double *u)
 {
     for (int c = 0; c < M; c++) u[c] = q->u[c] + (t - q->t_input) * q->u_slope[c];
@@ -73,8 +70,6 @@ static inline int model_rhs(const Step *q, double t, const double *x, double *ou
     double u[ROOM(M)];
     const double *arg[RHS_ARG] = {&t, x, u, q->parameters, q->codes};
     double *res[RHS_RES] = {out};
-    PRESENT(q->parameters);
-    PRESENT(q->codes);
     inputs(q, t, u);
     const int memory = RHS_CHECKOUT();
     const int failed = RHS(arg, res, q->iw, q->w, memory);
@@ -88,8 +83,6 @@ static inline int model_guard(const Step *q, double t, const double *x, double *
     double u[ROOM(M)];
     const double *arg[GUARD_ARG] = {&t, x, u, q->parameters, q->codes};
     double *res[GUARD_RES] = {out};
-    PRESENT(q->parameters);
-    PRESENT(q->codes);
     inputs(q, t, u);
     const int memory = GUARD_CHECKOUT();
     const int failed = GUARD(arg, res, q->iw, q->w, memory);

@@ -12,6 +12,7 @@ import hashlib
 import logging
 import os
 import platform
+import re
 import shutil
 import subprocess
 import tempfile
@@ -49,10 +50,9 @@ LONGEST_PAUSE = 0.05  # s between two looks at the clock and at Ctrl-C
 FLAGS = ("-std=gnu11", "-ffp-contract=off", "-fno-math-errno", "-fPIC", "-shared")
 # A model of a few states is a chain of dependent scalars: packing them into vectors only adds moves.
 SMALL_SOURCE, SMALL_FLAGS = 30_000, ("-O3", "-fno-tree-vectorize")
-MEDIUM_FLAGS = ("-O2",)
-# gcc's time grows with the square of a function's length: 2000 operations take 5 s, 8000 minutes.
-# Beyond, the virtual machine is done before the compiler is.
-MOST_OPERATIONS = 2000
+MEDIUM_SOURCE, MEDIUM_FLAGS = 100_000, ("-O2",)
+LARGE_SOURCE, LARGE_FLAGS = 5_000_000, ("-O1",)
+HUGE_FLAGS = ("-O0",)  # an optimiser would take minutes
 KERNEL = ("rhs", "guard", "advance", "finish", "inspect")  # functions of kernel.c, as in its Mode
 
 
@@ -122,7 +122,10 @@ def load_shared(source: str, name: str, flags: tuple[str, ...] = MEDIUM_FLAGS) -
             return ctypes.CDLL(str(_keep(built, folder, name)))
         except OSError as failure:
             log.warning("the cache %s cannot be used: %s", folder, failure)
+        try:
             return ctypes.CDLL(str(built))
+        except OSError as failure:
+            raise CompileError(f"compiled code cannot be loaded: {failure}") from failure
 
 
 def load_driver() -> ctypes.CDLL:
@@ -151,19 +154,17 @@ def load_mode(
         With different names and one dense result each; `guard` may be None.
     sizes : (int, int, int)
         Numbers of states, inputs and switches.
-
-    Raises
-    ------
-    CompileError
-        When the compiler fails, and for models so large that compiling takes longer than running.
     """
-    if rhs.n_instructions() > MOST_OPERATIONS:
-        raise CompileError(
-            f"{rhs.n_instructions()} operations are more than are worth compiling ({MOST_OPERATIONS})"
-        )
     model, macros = _model_source(rhs, guard, sizes)
-    flags = SMALL_FLAGS if len(model) < SMALL_SOURCE else MEDIUM_FLAGS
-    macros["SMALL"] = str(int(flags == SMALL_FLAGS))
+    flags: tuple[str, ...] = HUGE_FLAGS
+    for limit, smaller in (
+        (LARGE_SOURCE, LARGE_FLAGS),
+        (MEDIUM_SOURCE, MEDIUM_FLAGS),
+        (SMALL_SOURCE, SMALL_FLAGS),
+    ):
+        if len(model) < limit:
+            flags = smaller
+    macros["SMALL"] = str(int(len(model) < SMALL_SOURCE))
     source = (
         # Everything of CasADi's becomes static, to be taken into the kernel or dropped.
         "#define CASADI_SYMBOL_EXPORT static inline __attribute__((unused))\n",
@@ -196,7 +197,22 @@ def _model_source(
             macros[f"{role}_RELEASE"] = f"{function.name()}_release"
             macros[f"{role}_ARG"] = str(function.sz_arg())
             macros[f"{role}_RES"] = str(function.sz_res())
-    return generator.dump(), macros
+    return _straightened(generator.dump(), 1 if guard is None else 2), macros
+
+
+def _straightened(model: str, count: int) -> str:
+    """CasADi's C without its questions whether each argument is there.
+
+    They cut a straight line of code into thousands of blocks, for which gcc's time grows with the
+    square. Only for functions that call no others: those may well be given null pointers.
+    """
+    if model.count("static int casadi_f") != count:
+        return model
+    model = re.sub(r"arg\[(\d)\]\? arg\[\1\]\[(\d+)\] : 0", r"arg_\1[\2]", model)
+    model = re.sub(r"if \(res\[0\]!=0\) res\[0\]", "res_0", model)
+    arguments = ", ".join(f"*restrict arg_{i}=arg[{i}]" for i in range(5))
+    local = f"  const casadi_real {arguments};\n  casadi_real *restrict res_0=res[0];\n"
+    return re.sub(r"(static int casadi_f\d+\([^)]*\) \{\n)", rf"\1{local}", model)
 
 
 def _own(file: str) -> str:
@@ -273,7 +289,8 @@ def _compile(compiler: str, source: str, flags: tuple[str, ...], folder: Path) -
         if done.returncode == 0:
             return folder / "built.so"
         said = done.stderr
-    raise CompileError(f"{compiler} failed: {said.strip().splitlines()[-1:]}", said)
+    first = next((line for line in said.splitlines() if "error" in line), said[:200])
+    raise CompileError(f"{compiler} refused the generated code: {first}", said)
 
 
 def _keep(built: Path, folder: Path, name: str) -> Path:

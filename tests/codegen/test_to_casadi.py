@@ -69,9 +69,7 @@ def test_assignments_are_shared():
     """An intermediate result used a hundred times is computed once."""
     chain = sympy.symbols("c:100")
     table = [(chain[0], sympy.sin(x))]
-    table += [
-        (after, before * before + before) for before, after in itertools.pairwise(chain)
-    ]
+    table += [(after, before * before + before) for before, after in itertools.pairwise(chain)]
     function = compiled(chain[-1], assignments=tuple(table))
     assert function.n_nodes() < 500
 

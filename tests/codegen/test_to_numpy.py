@@ -77,10 +77,7 @@ def test_names_are_free():
 def test_assignments_are_computed_once():
     chain = sympy.symbols("c:60")
     table = [(chain[0], sympy.sin(x))]
-    table += [
-        (after, before * before / 2 + before)
-        for before, after in itertools.pairwise(chain)
-    ]
+    table += [(after, before * before / 2 + before) for before, after in itertools.pairwise(chain)]
     ((found,),) = to_numpy(program(chain[-1], assignments=tuple(table)))([0.01, 0])
     expected = numpy.sin(0.01)
     for _ in chain[1:]:

@@ -7,8 +7,9 @@ a harmonic and every event time is a formula. Nothing is damped.
 For m = 1, k = 100, v_b = 0.5, F_s = 12, F_k = 8 each slip of the cycle *lasts* 0.493370342273 s
 and each stick *lasts* 0.16 s: durations, not instants. Started stuck at ``x = F_s/k`` on the point
 of slipping (``x0=0.12``), it sticks at 0.493370342273 s and lets go 0.16 s later. Started
-stuck at ``x = 0.04``, it lets go at 0.16 s and sticks again 0.493370342273 s later. From rest at ``x = 0`` it slides at first, sticks at 0.067513153 s, lets go
-at 0.272413113 s and has then joined the same cycle. `Belt.events` lists any of these.
+stuck at ``x = 0.04``, it lets go at 0.16 s and sticks again 0.493370342273 s later. From rest at
+``x = 0`` it slides at first, sticks at 0.067513153 s, lets go at 0.272413113 s and has then joined
+the same cycle. `Belt.events` lists any of these.
 """
 
 from __future__ import annotations

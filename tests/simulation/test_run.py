@@ -20,11 +20,11 @@ from bondgraph import (
     Sf,
     Zero,
     assemble,
+    models,
     simulate,
 )
 from bondgraph.errors import BondGraphError, ParameterError, SimulationError
 from bondgraph.models import LIBRARY, mass_on_belt, quarter_car
-from bondgraph import models
 from tests.oracles.belt import Belt
 
 
