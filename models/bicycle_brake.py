@@ -19,7 +19,7 @@ from bondgraph.elements import TF, Zero
 from bondgraph.graph import BondGraph, assemble
 
 from .bicycle import SYMBOLS as s
-from .bicycle import hydraulic_line, pad_friction, rear_frame, rear_wheel, sheet
+from .bicycle import brake_outputs, hydraulic_line, pad_friction, rear_frame, rear_wheel, sheet
 
 if TYPE_CHECKING:
     from bondgraph.report import Section
@@ -55,12 +55,8 @@ def graph() -> BondGraph:
         parameters=sheet(),
         outputs={
             "omega_r": (wheel["rotor"].f, "rad/s", "rotor speed"),
-            "V_c": (rear["mass"].f, "m/s", "caliper speed relative to the bicycle"),
             "theta_w": (wheel["spokes"].q, "rad", "wind-up of the wheel"),
-            "x_c": (rear["bending"].q, "m", "deflection of the frame at the caliper"),
-            "slip": (friction.f, "m/s", "slip of the pads"),
-            "F_f": (friction.e, "N", "friction force"),
-            "N": (s.A_p * line["fluid"].e, "N", "normal force of both pads"),
+            **brake_outputs(rear, line, friction),
         },
     )
 

@@ -13,7 +13,7 @@ from bondgraph.elements import TF, One, Sf, Zero
 from bondgraph.graph import BondGraph, assemble
 
 from .bicycle import SYMBOLS as s
-from .bicycle import hydraulic_line, pad_friction, rear_frame, sheet
+from .bicycle import brake_outputs, hydraulic_line, pad_friction, rear_frame, sheet
 
 if TYPE_CHECKING:
     from bondgraph.report import Section
@@ -49,13 +49,7 @@ def graph() -> BondGraph:
         >> rear.port("caliper"),
         pads >> friction,
         parameters=sheet(),
-        outputs={
-            "V_c": (rear["mass"].f, "m/s", "caliper speed relative to the bicycle"),
-            "x_c": (rear["bending"].q, "m", "deflection of the frame at the caliper"),
-            "slip": (friction.f, "m/s", "slip of the pads"),
-            "F_f": (friction.e, "N", "friction force"),
-            "N": (s.A_p * line["fluid"].e, "N", "normal force of both pads"),
-        },
+        outputs=brake_outputs(rear, line, friction),
     )
 
 

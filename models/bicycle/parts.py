@@ -114,3 +114,34 @@ def pad_friction(pressure: sympy.Symbol) -> Friction:
         return stribeck(speed, normal=normal, mu_s=s.mu_s, mu_k=s.mu_k, v_s=s.v_s)
 
     return Friction("friction", kinetic=kinetic)
+
+
+def brake_outputs(
+    rear: BondGraph, line: BondGraph, friction: Friction
+) -> dict[str, tuple[sympy.Expr, str, str]]:
+    """Signals that every brake has: the frame's motion, and the pads'.
+
+    Parameters
+    ----------
+    rear, line : BondGraph
+        From `rear_frame` and `hydraulic_line`.
+    friction : Friction
+        From `pad_friction`.
+
+    Returns
+    -------
+    dict of str to (Expr, unit, meaning)
+
+    Examples
+    --------
+    >>> line = hydraulic_line()
+    >>> sorted(brake_outputs(rear_frame(), line, pad_friction(line["fluid"].e)))
+    ['F_f', 'N', 'V_c', 'slip', 'x_c']
+    """
+    return {
+        "V_c": (rear["mass"].f, "m/s", "caliper speed relative to the bicycle"),
+        "x_c": (rear["bending"].q, "m", "deflection of the frame at the caliper"),
+        "slip": (friction.f, "m/s", "slip of the pads"),
+        "F_f": (friction.e, "N", "friction force"),
+        "N": (s.A_p * line["fluid"].e, "N", "normal force of both pads"),
+    }
