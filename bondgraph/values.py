@@ -107,9 +107,11 @@ def initial_values(
 
 
 def _si(name: str, value: Any) -> float:
-    if isinstance(value, int | float):
+    if isinstance(value, int | float) and not isinstance(value, bool):
         return float(value)
     row = as_parameter(name, value)
+    if row.value is None or row.derived:
+        raise ParameterError(f"initial value of {name!r}: expected a number, got {value!r}")
     return to_si(float(row.value), row.unit)
 
 

@@ -10,8 +10,10 @@ import sympy
 
 from .residues import Residues
 
-# A coefficient larger than this becomes an assignment of its own.
+# A coefficient larger than this becomes an assignment of its own; so does a fraction with more
+# bits, since exact fractions grow with every step of an elimination.
 HOIST_OPERATIONS = 40
+HOIST_BITS = 256
 
 
 @dataclass(frozen=True)
@@ -56,7 +58,9 @@ class Affine:
     def mapped(self, change: Callable[[sympy.Expr], sympy.Expr]) -> Affine:
         """Change each coefficient; what becomes zero drops out."""
         terms = {key: change(value) for key, value in self.terms.items()}
-        return Affine({key: value for key, value in terms.items() if value != 0}, change(self.constant))
+        return Affine(
+            {key: value for key, value in terms.items() if value != 0}, change(self.constant)
+        )
 
     def expression(self) -> sympy.Expr:
         """Return the sum as an expression."""
@@ -77,7 +81,7 @@ class Names:
 
     def named(self, value: sympy.Expr) -> sympy.Expr:
         """Return a coefficient, or its name where it is large, so that later ones stay small."""
-        if value.is_Atom or sympy.count_ops(value) <= HOIST_OPERATIONS:
+        if not _is_large(value):
             return value
         self._count += 1
         symbol = sympy.Symbol(f"loop#{self._count}", real=True)
@@ -87,11 +91,17 @@ class Names:
 
     def tidied(self, value: sympy.Expr) -> sympy.Expr:
         """Return a coefficient as one fraction where it is small, zero where it is zero."""
-        if value.is_Atom:
+        if value.is_Atom and not value.is_Rational:
             return value
         if self.is_zero(value):
             return sympy.S.Zero
         return self.named(tidy(value))
+
+
+def _is_large(value: sympy.Expr) -> bool:
+    if isinstance(value, sympy.Rational):
+        return int(value.p).bit_length() + int(value.q).bit_length() > HOIST_BITS
+    return not value.is_Atom and sympy.count_ops(value) > HOIST_OPERATIONS
 
 
 def tidy(value: sympy.Expr) -> sympy.Expr:
@@ -142,9 +152,9 @@ class Elimination:
         heapq.heapify(self._queue)
         while self._queue:
             length, index = heapq.heappop(self._queue)
-            row = self._rows.get(index)
-            if row is not None and len(row.terms) == length:
-                self._solve(index, row)
+            sparsest = self._rows.get(index)
+            if sparsest is not None and len(sparsest.terms) == length:
+                self._solve(index, sparsest)
 
     def code(self) -> list[tuple[sympy.Symbol, sympy.Expr]]:
         """Return the unknowns as ordered assignments."""

@@ -55,20 +55,63 @@ def tear(
     members = list(variables)
     network = links(members, table)
     place = {variable: index for index, variable in enumerate(members)}
+    queue: list[tuple[int, int]] = []
 
-    def busy(variable: sympy.Symbol) -> int:
-        return -network.in_degree(variable) * network.out_degree(variable)
+    def enqueue(changed: Iterable[sympy.Symbol]) -> None:
+        for variable in changed:
+            heapq.heappush(queue, (_rank(network, variable), place[variable]))
 
     tears = [variable for variable in members if network.has_edge(variable, variable)]
-    queue = [(busy(variable), place[variable]) for variable in members]
-    heapq.heapify(queue)
-    _peel(network, tears + members)
-    for variable in tears:
-        _take(network, variable, queue, busy, place)
-    while network:
-        worth, index = heapq.heappop(queue)
+    network.remove_nodes_from(tears)
+    enqueue(_peel(network, list(network)))
+    while queue:
+        rank, index = heapq.heappop(queue)
         variable = members[index]
-        if variable in network and worth == busy(variable):
+        if variable in network and rank == _rank(network, variable):
             tears.append(variable)
-            _take(network, variable, queue, busy, place)
+            beside = [*network.predecessors(variable), *network.successors(variable)]
+            network.remove_node(variable)
+            enqueue(_peel(network, beside))
     return tears
+
+
+def _rank(network: networkx.DiGraph, variable: sympy.Symbol) -> int:
+    """Return a number that is least for what most paths go through."""
+    return -network.in_degree(variable) * network.out_degree(variable)
+
+
+def _peel(network: networkx.DiGraph, start: list[sympy.Symbol]) -> set[sympy.Symbol]:
+    """Remove what can be on no loop; return what was looked at and stayed."""
+    stayed = set()
+    stack = list(start)
+    while stack:
+        variable = stack.pop()
+        if variable not in network:
+            continue
+        if network.in_degree(variable) and network.out_degree(variable):
+            stayed.add(variable)
+            continue
+        stack += [*network.predecessors(variable), *network.successors(variable)]
+        network.remove_node(variable)
+        stayed.discard(variable)
+    return stayed
+
+
+def in_order(
+    variables: Iterable[sympy.Symbol], table: Mapping[sympy.Symbol, sympy.Expr]
+) -> list[sympy.Symbol]:
+    """Sort variables without loops by their dependencies."""
+    return list(networkx.topological_sort(links(variables, table)))
+
+
+def around(
+    variables: Iterable[sympy.Symbol], table: Mapping[sympy.Symbol, sympy.Expr]
+) -> list[sympy.Symbol]:
+    """Walk once round a loop, for the report; the variables beside it follow."""
+    network = links(variables, table)
+    try:
+        cycle = [edge[0] for edge in networkx.find_cycle(network)]
+    except networkx.NetworkXNoCycle:
+        cycle = []
+    inside = set(cycle)
+    return cycle + [variable for variable in network if variable not in inside]
