@@ -90,7 +90,7 @@ def _processor() -> str:
 
 
 @functools.cache
-def library() -> ctypes.CDLL:
+def automaton() -> ctypes.CDLL:
     """Compile the automaton if needed and load it.
 
     Raises
@@ -142,7 +142,7 @@ def prepare(
         events.ctypes.data_as(_Pointer),
         MAX_EVENTS,
     )
-    function = library().brake_run
+    function = automaton().brake_run
     # the arrays must outlive the pointers into them
     return lambda _kept=(out, events): int(function(*arguments))  # type: ignore[misc]
 
@@ -173,7 +173,7 @@ def run(
         if the automaton gives up
     """
     out, events, energies = np.empty((n_out, 5)), np.empty((MAX_EVENTS, 2)), np.empty(4)
-    count = library().brake_run_full(
+    count = automaton().brake_run_full(
         _vector([parameters[name] for name in NAMES]),
         None if start is None else _vector(start),
         t_end,

@@ -18,7 +18,7 @@ STORED = random_brakes.stored()
 @pytest.fixture(autouse=True)
 def _compiled() -> None:
     try:
-        baseline.library()
+        baseline.automaton()
     except baseline.BaselineUnavailable as reason:
         pytest.skip(str(reason))
 
