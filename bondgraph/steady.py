@@ -289,6 +289,8 @@ def solve_rates(smooth: Smooth, start: Any, u: Any, p: Any) -> tuple[numpy.ndarr
         newton = _Newton(smooth.state_matrix(x, u, p), residual)
         if not numpy.isfinite(newton.step).all():
             break
+        if not newton.solvable(x):
+            break
         if newton.small(x) and newton.balanced(x, residual):
             # taken all the same: near the root a step doubles the digits
             return x + newton.step, newton.isolated
@@ -348,6 +350,23 @@ class _Newton:
             self.step = solution * self.scale
             self.isolated = bool(rank == len(matrix))
         self.residual = residual
+
+    def solvable(self, x: numpy.ndarray) -> bool:
+        """Whether the rates can all be zero, where the Jacobian is singular.
+
+        A combination of rates that no state moves has to be zero by itself: a part that drifts
+        along, or two imposed speeds that differ, have no steady state however far one goes.
+        """
+        if self.isolated or not len(x):
+            return True
+        columns, sizes, _ = numpy.linalg.svd(self.matrix)
+        left = columns[:, sizes <= 1e-12 * sizes.max(initial=0.0)]
+        still = numpy.abs(left)
+        state, rate = x / self.scale, self.residual / self.scale
+        moved = numpy.abs(self.matrix) @ numpy.abs(state)
+        constant = numpy.abs(rate - self.matrix @ state)
+        drift = numpy.abs(left.T @ rate)
+        return bool(numpy.all(drift <= 1e-6 * (still.T @ constant) + 1e-12 * (still.T @ moved)))
 
     def worth(self, residual: numpy.ndarray) -> float:
         """Size of a residual, each row measured by its own Jacobian row."""

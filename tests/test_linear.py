@@ -281,9 +281,21 @@ class TestContacts:
         assert not point.isolated
 
     def test_the_mode_may_be_fixed(self):
-        point = steady_state(models.bicycle_brake.graph(), modes={"friction": "stick"})
+        graph = models.bicycle_brake.graph()
+        point = steady_state(graph, {"V0": 0}, modes={"friction": "stick"})
         assert point.modes == {"friction": "stick"}
         assert len(point.states) == 4
+
+    def test_a_wheel_that_winds_up_against_stuck_pads_has_no_steady_state(self):
+        with pytest.raises(SteadyStateError, match="no steady state"):
+            steady_state(models.bicycle_brake.graph(), modes={"friction": "stick"})
+
+    def test_a_part_that_drifts_along_has_no_steady_state(self):
+        v = One("v")
+        parts = (I("m", 1), R("b", 2), C("position", stiffness=0))
+        with pytest.raises(SteadyStateError, match="no steady state"):
+            steady_state(assemble("drift", Se("F", 1) >> v >> parts))
+        assert not steady_state(assemble("rest", Se("F", 0) >> v >> parts)).isolated
 
     def test_modes_are_checked(self):
         with pytest.raises(BondGraphError, match="no mode"):
@@ -393,7 +405,8 @@ class TestBrake:
         assert hertz == pytest.approx([199.749844, 299.624765], abs=1e-6)
 
     def test_stuck(self):
-        system = linearize(models.bicycle_brake.graph(), modes={"friction": "stick"})
+        graph = models.bicycle_brake.graph()
+        system = linearize(graph, {"V0": 0}, modes={"friction": "stick"})
         natural, zeta, poles = system.damp()
         swinging = numpy.abs(poles.imag) > 1
         assert swinging.sum() == 2

@@ -15,6 +15,9 @@ from .residues import Residues
 HOIST_OPERATIONS = 40
 HOIST_BITS = 256
 
+# So many coefficients are brought to one fraction; a system with more is not for reading.
+TIDY_COEFFICIENTS = 300
+
 
 @dataclass(frozen=True)
 class Affine:
@@ -74,6 +77,7 @@ class Names:
         self.assignments: list[tuple[sympy.Symbol, sympy.Expr]] = []
         self._residues = Residues()
         self._count = 0
+        self._tidied = 0
 
     def is_zero(self, value: sympy.Expr) -> bool:
         """Whether a coefficient is zero, also through names."""
@@ -95,12 +99,18 @@ class Names:
             return value
         if self.is_zero(value):
             return sympy.S.Zero
-        return self.named(tidy(value))
+        if not value.is_Rational and self._tidied < TIDY_COEFFICIENTS:
+            self._tidied += 1
+            value = tidy(value)
+        return self.named(value)
 
 
 def _is_large(value: sympy.Expr) -> bool:
-    if isinstance(value, sympy.Rational):
-        return int(value.p).bit_length() + int(value.q).bit_length() > HOIST_BITS
+    if value.is_Symbol:
+        return False
+    numbers = value.atoms(sympy.Rational)
+    if any(int(n.p).bit_length() + int(n.q).bit_length() > HOIST_BITS for n in numbers):
+        return True
     return not value.is_Atom and sympy.count_ops(value) > HOIST_OPERATIONS
 
 
@@ -158,7 +168,7 @@ class Elimination:
 
     def code(self) -> list[tuple[sympy.Symbol, sympy.Expr]]:
         """Return the unknowns as ordered assignments."""
-        return [(variable, tidy(form.expression())) for variable, form in reversed(self.solved)]
+        return [(variable, form.expression()) for variable, form in reversed(self.solved)]
 
     def _solve(self, index: int, row: Affine) -> None:
         """Solve one row for one of its unknowns, and put that into the others."""

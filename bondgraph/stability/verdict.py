@@ -138,7 +138,9 @@ def _modes_in_words(modes: Mapping[str, str]) -> str:
 
 
 def _balance(mode: Mode) -> list[str]:
-    """Say which elements feed the mode and which drain it."""
+    """Say which elements feed the mode and which drain it; of a neutral mode there is nothing."""
+    if mode.growth == 0:
+        return []
     largest = max(map(abs, mode.telling.values()), default=0.0)
     told = {name: rate for name, rate in mode.telling.items() if abs(rate) > WORTH_SAYING * largest}
     feeding = [f"{name} feeds it with {rate:.3g} 1/s" for name, rate in told.items() if rate > 0]
