@@ -390,6 +390,12 @@ class TestDerivativeCausality:
         assert "I 'b' is in derivative causality" in equations.warnings[0]
         check_closed(equations)
 
+    def test_an_initial_value_that_cannot_be_kept_is_told(self):
+        parts = [I("a", m, initial=1), I("b", M, initial=2), R("r", r)]
+        equations = derive(assemble("g", One("v") >> parts))
+        assert equations.initial == (1,)
+        assert "the initial value of 'b' is not used" in equations.warnings[-1]
+
     def test_gear_between_two_inertias_has_no_float_dust(self):
         a, z = One("a"), One("z")
         equations = derive(

@@ -14,7 +14,8 @@ from scipy.optimize import brentq
 from bondgraph import C, I, One, R, Se, Sf, Zero, assemble, linearize, models, steady_state
 from bondgraph.errors import ParameterError
 from bondgraph.stability import Vary, assess, trace
-from bondgraph.stability.locus import Branch, track
+from bondgraph.stability.branch import Branch
+from bondgraph.stability.locus import track
 
 BRAKE = models.bicycle_brake.graph()
 FRAME = models.frame_brake.graph()

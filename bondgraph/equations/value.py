@@ -133,7 +133,13 @@ class Equations:
             f"the rate of input {symbol.name!r} is needed, as {rate.name}: a dependent storage follows it"
             for symbol, rate in self.input_rates.items()
         )
-        return (*self.graph.warnings, *self.causal.warnings, *map(str, self.loops), *rates)
+        starts = (
+            f"the initial value of {name!r} is not used: its state follows from others"
+            for name in self.dependent
+            if self.graph.elements[name].initial != 0  # type: ignore[attr-defined]
+        )
+        told = (*self.graph.warnings, *self.causal.warnings, *map(str, self.loops))
+        return (*told, *rates, *starts)
 
     @property
     def arguments(self) -> frozenset[sympy.Symbol]:

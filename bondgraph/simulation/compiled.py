@@ -22,7 +22,7 @@ from ..equations import Equations, derive
 from ..errors import SimulationError
 from ..graph import TIME, BondGraph
 from ..parameters import Resolver
-from .hybrid import ModeFunctions, ModeTable
+from .table import ModeFunctions, ModeTable
 
 Array = numpy.ndarray
 

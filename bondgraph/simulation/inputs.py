@@ -15,7 +15,7 @@ from ..equations import Equations
 from ..errors import ParameterError
 from ..parameters import unknown_name
 from ..units import to_si
-from .hybrid import InputTable
+from .problem import InputTable
 
 HOLDS = {"zero": 0, "linear": 1}
 

@@ -14,8 +14,9 @@ from ..graph import BondGraph
 from ..modes import LABELS
 from ..values import initial_values, parameter_values
 from .compiled import CompiledModel
-from .hybrid import Options, Problem, Solution, integrate
+from .hybrid import integrate
 from .inputs import at, gather
+from .problem import Options, Problem, Solution
 from .trajectory import Energy, Event, Trajectory
 
 

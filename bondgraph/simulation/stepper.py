@@ -18,7 +18,7 @@ import numpy as np
 from .outcome import Outcome
 
 if TYPE_CHECKING:
-    from .hybrid import Options, Problem
+    from .problem import Options, Problem
 
 __all__ = ["Stepper"]
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import itertools
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
 
 import casadi
 import numpy
@@ -13,10 +12,8 @@ import numpy
 from ..errors import SteadyStateError
 from ..linear import linearize_at
 from ..steady import SteadyState
+from .branch import Branch
 from .modal import Mode, growths, modal_table
-
-if TYPE_CHECKING:
-    from .locus import Branch
 
 FOLD_ITERATIONS = 50
 BISECTIONS = 12

@@ -14,18 +14,13 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from bondgraph.errors import SimulationError
-from bondgraph.simulation import native
-from bondgraph.simulation.hybrid import (
-    InputTable,
-    ModeFunctions,
-    ModeTable,
-    Options,
-    Problem,
-    integrate,
-)
+from bondgraph.simulation import compiler
+from bondgraph.simulation.hybrid import integrate
 from bondgraph.simulation.outcome import Outcome
+from bondgraph.simulation.problem import InputTable, Options, Problem
+from bondgraph.simulation.table import ModeFunctions, ModeTable
 
-COMPILER = native.find_compiler()
+COMPILER = compiler.find_compiler()
 BACKENDS = ["native", "vm"] if COMPILER else ["vm"]
 FAST = BACKENDS[0]
 
@@ -845,39 +840,41 @@ class TestCompiled:
         return sorted(self.folder.rglob("*.so"))
 
     def test_is_built_once(self, monkeypatch):
-        native.load_shared(self.SOURCE, "twice")
+        compiler.load_shared(self.SOURCE, "twice")
         (file,) = self.kept()
-        monkeypatch.setattr(native, "_compile", None)  # would fail if called
-        assert native.load_shared(self.SOURCE, "twice").twice
+        monkeypatch.setattr(compiler, "_compile", None)  # would fail if called
+        assert compiler.load_shared(self.SOURCE, "twice").twice
         assert self.kept() == [file]
 
     @pytest.mark.parametrize("damage", [b"", b"\x7fELF", None])
     def test_damaged_files_are_built_again(self, damage):
-        native.load_shared(self.SOURCE, "twice")
+        compiler.load_shared(self.SOURCE, "twice")
         (file,) = self.kept()
         content = file.read_bytes()
         file.unlink()  # the old one stays mapped
         file.write_bytes(content[: len(content) // 2] if damage is None else damage)
-        assert native.load_shared(self.SOURCE, "twice").twice
+        assert compiler.load_shared(self.SOURCE, "twice").twice
         (file,) = self.kept()
         assert len(file.read_bytes()) > 1000
 
     def test_many_writers_do_no_harm(self):
         sources = [self.SOURCE + f"int number = {i % 3};\n" for i in range(12)]
         with ThreadPoolExecutor(6) as pool:
-            assert all(pool.map(lambda source: native.load_shared(source, "twice").twice, sources))
+            assert all(
+                pool.map(lambda source: compiler.load_shared(source, "twice").twice, sources)
+            )
         assert len({file.parent for file in self.kept()}) == 3
         assert not list(self.folder.rglob("*.part"))
 
     def test_an_unusable_cache_is_done_without(self, monkeypatch, caplog):
         monkeypatch.setenv("HALFARROW_CACHE", "/dev/null/nowhere")
         with caplog.at_level(logging.WARNING):
-            assert native.load_shared(self.SOURCE, "twice").twice
+            assert compiler.load_shared(self.SOURCE, "twice").twice
         assert "cannot be used" in caplog.text
 
     def test_a_refused_source_keeps_what_the_compiler_said(self):
-        with pytest.raises(native.CompileError) as caught:
-            native.load_shared("int oops(", "oops")
+        with pytest.raises(compiler.CompileError) as caught:
+            compiler.load_shared("int oops(", "oops")
         assert "oops" in caught.value.stderr
 
     def test_one_table_serves_threads(self, belt_modes):

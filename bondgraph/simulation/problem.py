@@ -1,0 +1,212 @@
+"""What goes into an integration and what comes out, as frozen values."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Literal, NamedTuple
+
+import numpy as np
+
+from ..errors import SimulationError
+from .outcome import Outcome
+from .table import ModeTable
+
+Array = np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class InputTable:
+    """Inputs over time: values at knots, kept or joined by straight lines in between.
+
+    Parameters
+    ----------
+    knots : (nk,) array, increasing
+        Times. Before the first and after the last, the inputs are constant; one knot is a constant.
+    values : (nk, m) array
+        The inputs at the knots.
+    hold : (m,) sequence of 0 or 1
+        0 keeps a value until the next knot, 1 interpolates linearly.
+    """
+
+    knots: Array
+    values: Array
+    hold: Array
+
+    def __post_init__(self) -> None:
+        knots, values = _doubles(self.knots), _doubles(self.values)
+        hold = np.ascontiguousarray(self.hold, dtype=np.int8)
+        if knots.ndim != 1 or len(knots) == 0 or values.shape != (len(knots), len(hold)):
+            raise SimulationError(
+                f"an input table of {len(hold)} channels needs (nk,) knots and (nk, {len(hold)}) "
+                f"values, not {knots.shape} and {values.shape}"
+            )
+        if not np.isfinite(knots).all() or not (np.diff(knots) > 0).all():
+            raise SimulationError("the times of an input table must be finite and increase")
+        if not np.isfinite(values).all():
+            raise SimulationError("an input table must hold finite values")
+        if not np.isin(hold, (0, 1)).all():
+            raise SimulationError("the hold of an input is 0 (zero order) or 1 (linear)")
+        object.__setattr__(self, "knots", knots)
+        object.__setattr__(self, "values", values)
+        object.__setattr__(self, "hold", hold)
+
+
+@dataclass(frozen=True, eq=False)
+class Problem:
+    """What to integrate.
+
+    Parameters
+    ----------
+    modes : ModeTable
+        The model.
+    parameters : (np,) array
+    x0 : (n,) array
+        The state at the start.
+    t_span : (float, float)
+        Start and end.
+    inputs : InputTable or callable, optional
+        A callable t -> (m,) array is integrated by the Python twin.
+    weights : (n,) array, optional
+        1/sqrt(stiffness of the storage) of each state, 0 where unknown: with the energy in the
+        model it tells how large a state may become, and so how small an error matters.
+    energy0 : float
+        The energy stored at the start.
+    """
+
+    modes: ModeTable
+    parameters: Array
+    x0: Array
+    t_span: tuple[float, float]
+    inputs: InputTable | Callable[[float], Array] | None = None
+    weights: Array | None = None
+    energy0: float = 0.0
+
+    def __post_init__(self) -> None:
+        n, m = self.modes.n, self.modes.m
+        object.__setattr__(self, "parameters", _doubles(self.parameters))
+        object.__setattr__(self, "x0", _doubles(self.x0))
+        if self.x0.shape != (n,):
+            raise SimulationError(f"{n} initial states needed, not {self.x0.shape}")
+        if self.weights is not None and np.shape(self.weights) != (n,):
+            raise SimulationError(f"{n} weights needed, not {np.shape(self.weights)}")
+        start, end = self.t_span
+        if not (math.isfinite(start) and math.isfinite(end) and start <= end):
+            raise SimulationError(f"the time span {start} to {end} must be finite and run forward")
+        if m and self.inputs is None:
+            raise SimulationError(f"{m} inputs needed, none given")
+        if isinstance(self.inputs, InputTable) and len(self.inputs.hold) != m:
+            raise SimulationError(f"{m} inputs needed, not {len(self.inputs.hold)}")
+
+    def weights_or_zero(self) -> Array:
+        """The weights, zeros where none are given."""
+        return np.zeros(self.modes.n) if self.weights is None else _doubles(self.weights)
+
+    def input_table(self) -> tuple[Callable[[float], Array] | None, Array, Array, Array]:
+        """The callable, or None and knots, values and which channels are linear."""
+        if isinstance(self.inputs, InputTable):
+            return None, self.inputs.knots, self.inputs.values, self.inputs.hold == 1
+        empty = np.zeros(0), np.zeros((0, self.modes.m)), np.zeros(self.modes.m, dtype=bool)
+        return self.inputs, *empty
+
+
+@dataclass(frozen=True, eq=False)
+class Options:
+    """How to integrate.
+
+    Parameters
+    ----------
+    rtol, atol : float, float or (n,) array
+        Error allowed in a step: atol + rtol times the size of a state, which is at least 1e-3 of
+        its largest value so far and 1e-7 of what the energy in the model can make of it.
+    max_step : float
+        Longest step. Needed only where a law depends on time itself.
+    max_events, max_steps : int
+        A run with more is stopped (tried steps count too).
+    time_budget : float
+        Seconds a run may take.
+    bound : float
+        A state beyond it has diverged.
+    t_eval : (nt,) array, optional
+        Increasing times of the output rows; without it every step and both sides of every event.
+    backend : {"auto", "native", "vm"}
+        Compiled C where possible; only; or CasADi's virtual machine under the Python twin.
+    """
+
+    rtol: float = 1e-6
+    atol: float | Array = 0.0
+    max_step: float = math.inf
+    max_events: int = 100_000
+    max_steps: int = 100_000_000
+    time_budget: float = math.inf
+    bound: float = 1e100
+    t_eval: Array | None = None
+    backend: Literal["auto", "native", "vm"] = "auto"
+
+    def __post_init__(self) -> None:
+        if not 0 < self.rtol < 1:
+            raise SimulationError(f"rtol must lie between 0 and 1, not {self.rtol}")
+        if not np.all(np.asarray(self.atol) >= 0):
+            raise SimulationError("atol must not be negative")
+        if not self.max_step > 0:
+            raise SimulationError(f"max_step must be positive, not {self.max_step}")
+        if self.backend not in ("auto", "native", "vm"):
+            raise SimulationError(f"backend is 'auto', 'native' or 'vm', not {self.backend!r}")
+        if self.t_eval is not None:
+            t_eval = _doubles(self.t_eval)
+            if t_eval.ndim != 1 or not (np.diff(t_eval) >= 0).all():
+                raise SimulationError("t_eval must be one row of times that do not decrease")
+            object.__setattr__(self, "t_eval", t_eval)
+
+
+class Event(NamedTuple):
+    """One switch changing its mode; codes are 0 stick, +1 and -1 slip."""
+
+    t: float
+    switch: int
+    before: int
+    after: int
+    x: Array
+    supplied: float
+    dissipated: float
+
+
+@dataclass(frozen=True, eq=False)
+class Solution:
+    """What `integrate` found; rows are output times.
+
+    Attributes
+    ----------
+    t, x, codes : (nt,), (nt, n) and (nt, k) arrays
+        Times, states and codes; a row exactly at an event holds the codes after it.
+    supplied, dissipated : (nt,) arrays, J
+        Energies since the start.
+    events : list of Event
+    outcome : Outcome
+    t_end, x_end, codes_end, supplied_end, dissipated_end
+        The last good point, whatever the outcome.
+    steps, rejected, rhs_evals : int
+    backend : {"native", "vm"}
+    """
+
+    t: Array
+    x: Array
+    codes: Array
+    supplied: Array
+    dissipated: Array
+    events: list[Event]
+    outcome: Outcome
+    t_end: float
+    x_end: Array
+    codes_end: Array
+    supplied_end: float
+    dissipated_end: float
+    steps: int
+    rejected: int
+    rhs_evals: int
+    backend: Literal["native", "vm"]
+
+
+def _doubles(values: Any) -> Array:
+    return np.ascontiguousarray(values, dtype=float)
