@@ -8,8 +8,9 @@ from dataclasses import replace
 import sympy
 
 from ..blocks import SingularLoopError, order_and_solve
+from ..blocks.residues import PRIME, Residues
 from ..causality import CausalGraph, assign_causality
-from ..elements import TF, C, Element, Friction, I, One, R, Se, Sf, Storage, TwoPort, Zero
+from ..elements import TF, C, Element, Friction, One, R, Se, Sf, Storage, TwoPort, Zero
 from ..errors import BondGraphError, CausalConflictError, LawError
 from ..graph import BondGraph
 from ..rates import Rates
@@ -66,24 +67,38 @@ def _with_hidden_constraints(causal: CausalGraph) -> Equations:
     Strokes do not know signs and ratios: terms that cancel round a loop can relate storages
     that causality takes for independent.
     """
-    names = {
-        f"{name}.{letter}": name
-        for letter, kind in (("q", C), ("p", I))
-        for name, _ in causal.graph.of(kind)
-    }
-    dependent: list[str] = []
-    while True:
+    try:
+        return _Derivation(causal, frozenset()).equations()
+    except SingularLoopError as singular:
+        found = _with_dependent(causal.graph, singular, ())
+        if found is None:
+            raise
+        return found
+
+
+def _with_dependent(
+    graph: BondGraph, singular: SingularLoopError, dependent: tuple[str, ...]
+) -> Equations | None:
+    """Try each storage that a singular loop binds as a dependent one, the last written first."""
+    bound = {symbol.name.rpartition(".")[0] for symbol in singular.bound if symbol.is_Symbol}
+    for name, _ in reversed(list(graph.of(Storage))):
+        if name not in bound or name in dependent:
+            continue
+        chosen = (*dependent, name)
         try:
-            return _Derivation(causal, frozenset()).equations()
-        except SingularLoopError as singular:
-            bound = [names[symbol.name] for symbol in singular.bound if symbol.name in names]
-            if not bound:
-                raise
-            dependent.append(max(bound, key=list(causal.graph.elements).index))
-            try:
-                causal = assign_causality(causal.graph, dependent)
-            except CausalConflictError:
-                raise singular from None
+            derivation = _Derivation(assign_causality(graph, chosen), frozenset())
+            return derivation.equations(checked=True)
+        except SingularLoopError as deeper:
+            found = _with_dependent(graph, deeper, chosen)
+            if found is not None:
+                return found
+        except (CausalConflictError, _NotDependentError):
+            continue
+    return None
+
+
+class _NotDependentError(Exception):
+    """A storage said to be dependent has a state that its own answer decides."""
 
 
 class _Derivation:
@@ -114,10 +129,15 @@ class _Derivation:
         }
         self.signals: dict[sympy.Symbol, sympy.Symbol] = {}
 
-    def equations(self) -> Equations:
-        """Write all equations, order them, and check that nothing is left over."""
+    def equations(self, checked: bool = False) -> Equations:
+        """Write all equations, order them, and check that nothing is left over.
+
+        With ``checked``, dependent storages are not taken for dependent on the word of strokes.
+        """
         for name, element in self.graph.elements.items():
             self._write(name, self._listening(element))
+        if checked:
+            self._check_dependence()
         heard = {signal: variable for variable, signal in self.signals.items()}
         rates = Rates(
             self.explicit, self.implicit, self.states, self.graph.inputs, self.answers, heard
@@ -368,6 +388,26 @@ class _Derivation:
         for contact in self.contacts:
             if contact.stuck:
                 self.implicit[contact.effort] = rates.full.later(contact.slip)
+
+    def _check_dependence(self) -> None:
+        """Raise unless the states of dependent storages are free of what these answer."""
+        ordered = order_and_solve(self.explicit, self.implicit)
+        if ordered.algebraic:
+            raise _NotDependentError
+        residues = Residues()
+        slopes: dict[sympy.Basic, dict[sympy.Basic, int]] = {
+            answer: {answer: 1} for answer in self.answers
+        }
+        for symbol, expression in ordered.assignments:
+            residues.define(symbol, expression)
+            total: dict[sympy.Basic, int] = {}
+            for inner in expression.free_symbols & slopes.keys():
+                slope = residues.of(sympy.diff(expression, inner))
+                for answer, value in slopes[inner].items():
+                    total[answer] = (total.get(answer, 0) + slope * value) % PRIME
+            slopes[symbol] = {answer: value for answer, value in total.items() if value}
+        if any(slopes[self.storage[name]] for name in self.causal.derivative):
+            raise _NotDependentError
 
     def _modulated_storages(self, rates: Rates) -> None:
         """Count the work that a modulation does on a storage, at constant state, as supplied."""
