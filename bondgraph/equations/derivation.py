@@ -17,6 +17,9 @@ from ..rates import Rates
 from .nets import Nets
 from .value import Contact, Equations, assert_closed
 
+# So many sets of storages are tried as dependent where a loop of junctions binds states.
+MAX_DEPENDENT_CHOICES = 60
+
 
 def derive(graph: BondGraph | CausalGraph, stuck: Collection[str] = ()) -> Equations:
     """Derive the state equations.
@@ -70,31 +73,30 @@ def _with_hidden_constraints(causal: CausalGraph) -> Equations:
     try:
         return _Derivation(causal, frozenset()).equations()
     except SingularLoopError as singular:
-        found = _with_dependent(causal.graph, singular, ())
-        if found is None:
-            raise
-        return found
+        queue: list[tuple[tuple[str, ...], SingularLoopError]] = [((), singular)]
+        tried: set[frozenset[str]] = set()
+        while queue and len(tried) < MAX_DEPENDENT_CHOICES:
+            chosen, loop = queue.pop()
+            for more in _bound(causal.graph, loop, chosen):
+                dependent = (*chosen, more)
+                if frozenset(dependent) in tried:
+                    continue
+                tried.add(frozenset(dependent))
+                try:
+                    revised = assign_causality(causal.graph, dependent)
+                    return _Derivation(revised, frozenset()).equations(checked=True)
+                except SingularLoopError as deeper:
+                    queue.append((dependent, deeper))
+                except (CausalConflictError, _NotDependentError):
+                    continue
+        raise
 
 
-def _with_dependent(
-    graph: BondGraph, singular: SingularLoopError, dependent: tuple[str, ...]
-) -> Equations | None:
-    """Try each storage that a singular loop binds as a dependent one, the last written first."""
-    bound = {symbol.name.rpartition(".")[0] for symbol in singular.bound if symbol.is_Symbol}
-    for name, _ in reversed(list(graph.of(Storage))):
-        if name not in bound or name in dependent:
-            continue
-        chosen = (*dependent, name)
-        try:
-            derivation = _Derivation(assign_causality(graph, chosen), frozenset())
-            return derivation.equations(checked=True)
-        except SingularLoopError as deeper:
-            found = _with_dependent(graph, deeper, chosen)
-            if found is not None:
-                return found
-        except (CausalConflictError, _NotDependentError):
-            continue
-    return None
+def _bound(graph: BondGraph, loop: SingularLoopError, chosen: tuple[str, ...]) -> list[str]:
+    """Return the storages that a singular loop binds, the last written first."""
+    names = {symbol.name.rpartition(".")[0] for symbol in loop.bound if symbol.is_Symbol}
+    stores = [name for name, _ in graph.of(Storage) if name in names and name not in chosen]
+    return stores[::-1]
 
 
 class _NotDependentError(Exception):
