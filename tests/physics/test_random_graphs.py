@@ -158,7 +158,8 @@ def sketch_of(elements: str, bonds: str) -> Sketch:
     found = {}
     for word in elements.split():
         name, _, value = word.partition("=")
-        found[name] = (name.rstrip("abcdefgh123456789"), Fraction(value) if value else None)
+        kind = name[0] if name[0] in "01" else name.rstrip("123456789")
+        found[name] = (kind, Fraction(value) if value else None)
     return Sketch(found, tuple(tuple(bond.split(">")) for bond in bonds.split()))
 
 
