@@ -6,6 +6,21 @@ bonds at fault, so that a caller (or a drawing) can point at them.
 
 from __future__ import annotations
 
+import difflib
+from collections.abc import Iterable
+
+
+def suggestion(name: str, known: Iterable[str], most: int = 3) -> str:
+    """Return a question with the nearest known names; empty where none is near.
+
+    Examples
+    --------
+    >>> suggestion("sinn", ["sin", "asin", "exp"])
+    'did you mean sin or asin?'
+    """
+    near = difflib.get_close_matches(name, list(known), n=most)
+    return f"did you mean {' or '.join(near)}?" if near else ""
+
 
 class BondGraphError(Exception):
     """Base of every error raised on purpose by the framework.

@@ -6,7 +6,6 @@ A parameter is a sympy symbol. What the symbol assumes (``positive=True``,
 
 from __future__ import annotations
 
-import difflib
 import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
@@ -14,7 +13,7 @@ from typing import Any
 
 import sympy
 
-from .errors import LawError, ParameterError
+from .errors import LawError, ParameterError, suggestion
 from .laws import exact
 from .units import check_compatible, quantity_parts, to_si
 
@@ -101,8 +100,7 @@ def as_parameter(name: str, given: Any) -> Parameter:
 def unknown_name(kind: str, name: str, known: Iterable[str]) -> ParameterError:
     """Build the error for a name that is not known, with the nearest ones."""
     names = list(known)
-    near = difflib.get_close_matches(name, names, n=3)
-    hint = f"did you mean {' or '.join(near)}?" if near else f"known: {', '.join(names) or 'none'}"
+    hint = suggestion(name, names) or f"known: {', '.join(names) or 'none'}"
     return ParameterError(f"{kind} {name!r} is not known; {hint}")
 
 

@@ -8,7 +8,7 @@ import traceback
 from pathlib import Path
 from typing import Any
 
-from bondgraph.errors import BondGraphError, ModelError
+from bondgraph.errors import BondGraphError, ModelError, suggestion
 from bondgraph.graph import BondGraph
 
 
@@ -77,17 +77,10 @@ def load_model(word: str) -> BondGraph:
 
 
 def _from_library(word: str) -> BondGraph:
-    import difflib
-
     from bondgraph import models
 
     if word not in models.LIBRARY:
-        near = difflib.get_close_matches(word, models.LIBRARY, n=2)
-        hint = (
-            f"did you mean {' or '.join(near)}?"
-            if near
-            else f"it holds {', '.join(models.LIBRARY)};"
-        )
+        hint = suggestion(word, models.LIBRARY, most=2) or f"it holds {', '.join(models.LIBRARY)};"
         raise ModelError(
             f"model {word!r} is not in the library; {hint} a file is given as file.py:name or file.toml"
         )

@@ -9,13 +9,13 @@ from typing import Any
 
 import sympy
 
-from ..errors import LawError
+from ..errors import LawError, suggestion
 from ..laws import exact
 from .arithmetic import Arithmetic, Value
 from .language import COMPARISONS, CONSTANTS, FUNCTIONS, HINTS, MAX_LENGTH, Function
 from .names import dotted, normal
 from .syntax import Source, flat
-from .words import reason, suggestion
+from .words import reason
 
 MAX_DEPTH = 50  # functions, powers and parentheses within each other
 

@@ -9,9 +9,9 @@ from typing import Any
 
 import sympy
 
-from ..errors import BondGraphError, LawError, ModelError
+from ..errors import BondGraphError, LawError, ModelError, suggestion
 from ..expressions import parse
-from ..expressions.words import shortened, suggestion
+from ..expressions.words import shortened
 from ..laws import exact
 from ..units import parse_unit
 

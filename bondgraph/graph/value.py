@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
@@ -12,7 +11,7 @@ import sympy
 
 from ..bonds import Joinable
 from ..elements import Element, Junction
-from ..errors import GraphError
+from ..errors import GraphError, suggestion
 from ..parameters import Parameter
 
 TIME = sympy.Symbol("t", real=True)
@@ -243,7 +242,4 @@ def signals_of(elements: Mapping[str, Element]) -> tuple[Signal, ...]:
 
 def _nearest(name: str, known: Iterable[str]) -> str:
     names = list(known)
-    near = difflib.get_close_matches(name, names, n=3)
-    return (
-        f"did you mean {' or '.join(near)}?" if near else f"there is {', '.join(names) or 'none'}"
-    )
+    return suggestion(name, names) or f"there is {', '.join(names) or 'none'}"

@@ -6,10 +6,9 @@ Parameters are inputs of the functions, so one compiled model serves all values.
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
-import casadi
 import numpy
 import sympy
 
@@ -17,6 +16,7 @@ from ..causality import CausalGraph, assign_causality
 from ..codegen.program import Program
 from ..codegen.to_casadi import to_casadi
 from ..codegen.to_numpy import to_numpy
+from ..dimensions import infer
 from ..elements import C, Storage
 from ..equations import Equations, derive
 from ..errors import SimulationError
@@ -137,6 +137,11 @@ class CompiledModel:
         return tuple(dict.fromkeys([*names, *equations.ports]))
 
     @functools.cached_property
+    def units(self) -> Mapping[str, str | None]:
+        """Inferred units of states and port variables, by name."""
+        return infer(self.equations.graph).units
+
+    @functools.cached_property
     def stored(self) -> Callable[..., Array] | None:
         """Stored energy as a function of ``(t, x, u, p, s)``.
 
@@ -245,17 +250,3 @@ def _own_symbols(equations: Equations) -> dict[sympy.Basic, sympy.Expr]:
         for key, symbol in element.symbols.items()
         if f"{name}.{key}" in equations.ports
     }
-
-
-def casadi_rhs(model: CompiledModel) -> casadi.Function:
-    """Return the rates in sliding mode as a CasADi function ``(t, x, u, p, s)``.
-
-    Examples
-    --------
-    >>> from bondgraph.models import quarter_car
-    >>> casadi_rhs(CompiledModel(quarter_car.graph())).name()
-    'rates'
-    """
-    equations = model.equations
-    program = model._program(equations, "rates", equations.derivatives)
-    return to_casadi(program)

@@ -169,7 +169,7 @@ class Trajectory:
         for symbol, unit in equations.graph.inputs.items():
             if symbol.name == name:
                 return unit
-        return _inferred_units(self.model).get(name) or ""
+        return self.model.units.get(name) or ""
 
     def sticks(self, element: str | None = None) -> Array:
         """Return the times at which a contact begins to stick.
@@ -308,12 +308,6 @@ class Trajectory:
                 t[None, here], x[:, here], u[:, here], p[:, None], codes[here].T
             )
         return out
-
-
-def _inferred_units(model: CompiledModel) -> dict[str, str]:
-    from ..dimensions import infer
-
-    return {name: unit for name, unit in infer(model.equations.graph).units.items() if unit}
 
 
 def _optional(module: str) -> Any:
