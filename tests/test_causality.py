@@ -19,7 +19,8 @@ from bondgraph import (
     assemble,
     assign_causality,
 )
-from bondgraph.causality import PREFERRED, Reason
+from bondgraph.causality import Reason
+from bondgraph.causality.scap import preferred
 from bondgraph.elements import Junction, TwoPort
 from bondgraph.errors import CausalConflictError, GraphError
 
@@ -47,9 +48,9 @@ def check_the_rules(result):
         elif isinstance(element, TwoPort):
             assert (out[0] == out[1]) == isinstance(element, GY), name
         elif isinstance(element, Se | Sf | Friction):
-            assert out == [PREFERRED[type(element)]], name
+            assert out == [preferred(element)], name
         elif name in (*result.integral, *result.derivative):
-            assert (out == [PREFERRED[type(element)]]) == (name in result.integral), name
+            assert (out == [preferred(element)]) == (name in result.integral), name
     for stroke, bond in zip(result.strokes, graph.bonds, strict=True):
         assert {stroke.effort_out_of, stroke.flow_out_of} == {bond.tail, bond.head}
 

@@ -300,7 +300,7 @@ class TestContacts:
     def test_modes_are_checked(self):
         with pytest.raises(BondGraphError, match="no mode"):
             steady_state(self.block(4), modes={"floor": "glue"})
-        with pytest.raises(BondGraphError, match="no Friction"):
+        with pytest.raises(BondGraphError, match="no element with modes"):
             steady_state(self.block(4), modes={"m": "stick"})
 
 

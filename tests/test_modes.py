@@ -90,7 +90,7 @@ class TestInMode:
 
     def test_unknown_names_and_modes(self):
         graph = train(1)
-        with pytest.raises(BondGraphError, match=r"'m0' is no Friction .*it has floor0"):
+        with pytest.raises(BondGraphError, match=r"'m0' is no element with modes .*it has floor0"):
             in_mode(graph, {"m0": "stick"})
         with pytest.raises(BondGraphError, match=r"no mode 'glide'; use stick, slip\+, slip-"):
             in_mode(graph, {"floor0": "glide"})

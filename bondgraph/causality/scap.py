@@ -6,16 +6,41 @@ from collections import deque
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
-from ..elements import GY, TF, C, Element, Friction, I, Junction, One, R, Se, Sf, Storage
+from ..elements import (
+    GY,
+    TF,
+    C,
+    DryFriction,
+    EffortSource,
+    Element,
+    FlowSource,
+    I,
+    Junction,
+    One,
+    R,
+    Storage,
+    Switched,
+)
 from ..errors import CausalConflictError
 from ..graph import BondGraph, GraphBond, check_structure
 from .value import CausalGraph, Reason, Stroke
 
 # Whether an element, left to itself, decides the effort of its bond.
-PREFERRED: dict[type[Element], bool] = {Se: True, Sf: False, C: True, I: False, Friction: True}
+PREFERRED: dict[type[Element], bool] = {
+    EffortSource: True,
+    FlowSource: False,
+    C: True,
+    I: False,
+    Switched: True,
+}
 
 # A message lists no more causes than these.
 MAX_CAUSES = 4
+
+
+def preferred(element: Element) -> bool:
+    """Whether an element, left to itself, decides the effort of its bond."""
+    return next(out for kind, out in PREFERRED.items() if isinstance(element, kind))
 
 
 def assign_causality(graph: BondGraph, dependent: Collection[str] = ()) -> CausalGraph:
@@ -129,7 +154,7 @@ class _Scap:
 
     def run(self) -> None:
         """Assign all bonds: sources, storage, friction, one-way laws, then free choices."""
-        for name, _ in self.graph.of((Se, Sf)):
+        for name, _ in self.graph.of((EffortSource, FlowSource)):
             self._require(self._wish(name, Reason.SOURCE))
         for name in self.dependent:
             wish = self._wish(name, Reason.INTEGRAL)
@@ -149,13 +174,14 @@ class _Scap:
         """All choices, in the order in which they are taken."""
         for name, _ in self.graph.of(Storage):
             yield self._wish(name, Reason.INTEGRAL)
-        for name, friction in self.graph.of(Friction):
+        for name, friction in self.graph.of(DryFriction):
             yield self._wish(name, Reason.LAW, firm=friction.smoothing is None)
         for name, resistor in self.graph.of(R):
             if (resistor.effort is None) != (resistor.flow is None):
                 yield self._wish(name, Reason.LAW)
-        for name, _ in self.graph.of(R):
-            yield self._wish(name, Reason.ARBITRARY)
+        for name, element in self.graph.of((R, Switched)):
+            if not isinstance(element, DryFriction):
+                yield self._wish(name, Reason.ARBITRARY)
         for index, bond in enumerate(self.bonds):
             cause = _Cause(Reason.ARBITRARY, f"free choice at {bond.name}", bond.tail)
             yield _Choice(index, bond.tail, cause)
@@ -163,7 +189,7 @@ class _Scap:
     def _wish(self, name: str, reason: Reason, firm: bool = False) -> _Choice:
         """Return the causality that a one-port would have by itself."""
         element = self.graph.elements[name]
-        out = element.effort is not None if isinstance(element, R) else PREFERRED[type(element)]
+        out = element.effort is not None if isinstance(element, R) else preferred(element)
         words = {
             Reason.SOURCE: f"{element.kind} {name!r} decides its {'effort' if out else 'flow'}",
             Reason.INTEGRAL: f"integral causality of {element.kind} {name!r}",
@@ -189,7 +215,7 @@ class _Scap:
 
     def is_integral(self, name: str, element: Storage) -> bool:
         """Whether a storage ended in integral causality."""
-        return (self.effort[self.at[name][0]] == name) == PREFERRED[type(element)]
+        return (self.effort[self.at[name][0]] == name) == preferred(element)
 
     def _other(self, index: int, end: str) -> str:
         bond = self.bonds[index]

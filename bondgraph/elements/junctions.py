@@ -12,8 +12,15 @@ from .base import EFFORT, FLOW, Element, check_name, variable
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
 class Junction(Element):
-    """Junction: one variable is shared by all bonds, the other sums to zero."""
+    """Junction: one variable is shared by all bonds, the other sums to zero.
 
+    Attributes
+    ----------
+    pseudo : bool
+        Whether its bonds are pseudo-bonds of temperature and heat flow.
+    """
+
+    pseudo: bool
     shared: ClassVar[str]
 
 
@@ -24,6 +31,9 @@ class Zero(Junction):
     Parameters
     ----------
     name : str
+    pseudo : bool
+        Whether the bonds here, and what they reach without a TF, GY or RS, are
+        pseudo-bonds: temperature as effort, heat flow in W as flow.
 
     Attributes
     ----------
@@ -40,9 +50,9 @@ class Zero(Junction):
     kind: ClassVar[str] = "0"
     shared: ClassVar[str] = EFFORT
 
-    def __init__(self, name: str) -> None:
+    def __init__(self, name: str, *, pseudo: bool = False) -> None:
         check_name("Zero", name)
-        self._set(name=name, e=variable(f"{name}.e"))
+        self._set(name=name, pseudo=bool(pseudo), e=variable(f"{name}.e"))
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
@@ -52,6 +62,9 @@ class One(Junction):
     Parameters
     ----------
     name : str
+    pseudo : bool
+        Whether the bonds here, and what they reach without a TF, GY or RS, are
+        pseudo-bonds: temperature as effort, heat flow in W as flow.
 
     Attributes
     ----------
@@ -68,6 +81,6 @@ class One(Junction):
     kind: ClassVar[str] = "1"
     shared: ClassVar[str] = FLOW
 
-    def __init__(self, name: str) -> None:
+    def __init__(self, name: str, *, pseudo: bool = False) -> None:
         check_name("One", name)
-        self._set(name=name, f=variable(f"{name}.f"))
+        self._set(name=name, pseudo=bool(pseudo), f=variable(f"{name}.f"))

@@ -11,7 +11,20 @@ from .base import OnePort
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
-class Se(OnePort):
+class EffortSource(OnePort):
+    """What decides the effort of its bond.
+
+    Attributes
+    ----------
+    effort : Expr
+    """
+
+    effort: sympy.Expr
+    passive: ClassVar[bool] = False
+
+
+@dataclass(frozen=True, eq=False, init=False, repr=False)
+class Se(EffortSource):
     """Source of effort.
 
     Parameters
@@ -26,9 +39,7 @@ class Se(OnePort):
     12
     """
 
-    effort: sympy.Expr
     kind: ClassVar[str] = "Se"
-    passive: ClassVar[bool] = False
 
     def __init__(self, name: str, effort: Any) -> None:
         self._ports(name)
@@ -36,7 +47,20 @@ class Se(OnePort):
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
-class Sf(OnePort):
+class FlowSource(OnePort):
+    """What decides the flow of its bond.
+
+    Attributes
+    ----------
+    flow : Expr
+    """
+
+    flow: sympy.Expr
+    passive: ClassVar[bool] = False
+
+
+@dataclass(frozen=True, eq=False, init=False, repr=False)
+class Sf(FlowSource):
     """Source of flow.
 
     Parameters
@@ -51,9 +75,7 @@ class Sf(OnePort):
     1/2
     """
 
-    flow: sympy.Expr
     kind: ClassVar[str] = "Sf"
-    passive: ClassVar[bool] = False
 
     def __init__(self, name: str, flow: Any) -> None:
         self._ports(name)

@@ -29,12 +29,16 @@ class Storage(OnePort):
         Stored energy as a function of the state, where it is known.
     initial : Expr
         Default initial state, in parameters.
+    partners : Tuple of Symbol
+        States of the other ports of the same field, with which the energy is
+        shared; empty for a one-port.
     """
 
     law: sympy.Expr
     inverse: sympy.Expr | None
     energy: sympy.Expr | None
     initial: sympy.Expr
+    partners: sympy.Tuple
 
     @property
     def state(self) -> sympy.Dummy:
@@ -76,7 +80,7 @@ class Storage(OnePort):
                 inverse=affine_inverse(law_of_energy, state, conjugate),
                 energy=value,
             )
-        self._set(initial=self._apply("initial", initial, state))
+        self._set(initial=self._apply("initial", initial, state), partners=sympy.Tuple())
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)

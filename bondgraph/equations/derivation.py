@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable
+import itertools
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import replace
 
 import sympy
@@ -10,10 +11,25 @@ import sympy
 from ..blocks import SingularLoopError, order_and_solve
 from ..blocks.residues import PRIME, Residues
 from ..causality import CausalGraph, assign_causality
-from ..elements import TF, C, Element, Friction, One, R, Se, Sf, Storage, TwoPort, Zero
+from ..elements import (
+    TF,
+    C,
+    DryFriction,
+    EffortSource,
+    Element,
+    FlowSource,
+    One,
+    R,
+    SignalBlock,
+    Storage,
+    Switched,
+    TwoPort,
+    Zero,
+)
 from ..errors import BondGraphError, CausalConflictError, LawError
 from ..graph import BondGraph
 from ..rates import Rates
+from .accounts import Accounts
 from .nets import Nets
 from .value import Contact, Equations, assert_closed
 
@@ -51,7 +67,7 @@ def derive(graph: BondGraph | CausalGraph, stuck: Collection[str] = ()) -> Equat
     """
     causal = graph if isinstance(graph, CausalGraph) else assign_causality(graph)
     open_contacts = {
-        name for name, element in causal.graph.of(Friction) if element.smoothing is None
+        name for name, element in causal.graph.of(DryFriction) if element.smoothing is None
     }
     unknown = [name for name in stuck if name not in open_contacts]
     if unknown:
@@ -93,10 +109,15 @@ def _with_hidden_constraints(causal: CausalGraph) -> Equations:
 
 
 def _bound(graph: BondGraph, loop: SingularLoopError, chosen: tuple[str, ...]) -> list[str]:
-    """Return the storages that a singular loop binds, the last written first."""
+    """Return the storages that a singular loop binds, the last written first, then the switches.
+
+    What open switches decide may be bound as well: then one of them has to decide its other
+    variable.
+    """
     names = {symbol.name.rpartition(".")[0] for symbol in loop.bound if symbol.is_Symbol}
     stores = [name for name, _ in graph.of(Storage) if name in names and name not in chosen]
-    return stores[::-1]
+    switches = [name for name, _ in graph.of(Switched) if name in names and name not in chosen]
+    return [*stores[::-1], *switches[::-1]]
 
 
 class _NotDependentError(Exception):
@@ -118,8 +139,7 @@ class _Derivation:
         self.contacts: list[Contact] = []
         self.dependent: dict[str, sympy.Expr] = {}
         self.storage: dict[str, sympy.Symbol] = {}
-        self.supplied: dict[str, sympy.Expr] = {}
-        self.dissipated: dict[str, sympy.Expr] = {}
+        self.switches: dict[str, sympy.Symbol] = {}
         self.effort_out: dict[int, str] = {
             index: stroke.effort_out_of for index, stroke in enumerate(causal.strokes)
         }
@@ -148,7 +168,8 @@ class _Derivation:
         self._stuck_contacts(rates)
         rates.finish()
         self._forget_signals()
-        self._modulated_storages(rates)
+        accounts = Accounts(self.graph, self.nets, self._local)
+        supplied = accounts.supplied() | self._modulated_storages(rates, accounts.energies())
         outputs = {
             name: self._local(output.expression) for name, output in self.graph.outputs.items()
         }
@@ -159,7 +180,10 @@ class _Derivation:
             states=tuple(self.states),
             inputs=inputs,
             parameters=self._used_parameters(
-                ordered.assignments, ordered.residuals, outputs.values()
+                (expression for _, expression in ordered.assignments),
+                ordered.residuals,
+                outputs.values(),
+                (energy for energy in accounts.energies().values() if energy is not None),
             ),
             algebraic=ordered.algebraic,
             residuals=ordered.residuals,
@@ -168,14 +192,15 @@ class _Derivation:
             outputs=outputs,
             initial=tuple(self.initial),
             contacts=tuple(self.contacts),
-            supplied=self.supplied,
-            dissipated=self.dissipated,
-            energies=self._energies(),
+            supplied=supplied,
+            dissipated=accounts.dissipated(),
+            energies=accounts.energies(),
             dependent=self.dependent,
             loops=ordered.loops,
             causal=self.causal,
             ports=self._ports(),
             input_rates=dict(rates.input_rates),
+            switches=self.switches,
         )
         assert_closed(result)
         return result
@@ -188,6 +213,8 @@ class _Derivation:
                 names[element.e] = self.nets.symbol("e", self.nets.at[name][0])
             elif isinstance(element, One):
                 names[element.f] = self.nets.symbol("f", self.nets.at[name][0])
+            elif isinstance(element, SignalBlock):
+                names[element.y] = sympy.Symbol(f"{name}.y", real=True)
             elif not isinstance(element, TwoPort):
                 bond = self.nets.at[name][0]
                 names[element.e] = self.nets.symbol("e", bond)  # type: ignore[attr-defined]
@@ -195,7 +222,7 @@ class _Derivation:
                 if isinstance(element, Storage):
                     letter = "q" if isinstance(element, C) else "p"
                     names[element.state] = sympy.Symbol(f"{name}.{letter}", real=True)
-                if isinstance(element, Friction):
+                if isinstance(element, DryFriction):
                     names[element.speed] = sympy.Symbol(f"{name}.speed", real=True)
         for name, element in self.graph.of(TwoPort):
             self._two_port_variables(name, element, names)
@@ -266,9 +293,15 @@ class _Derivation:
             self._write_two_port(name, element)
         elif isinstance(element, Storage):
             self._write_storage(name, element)
-        elif isinstance(element, R | Friction):
+        elif isinstance(element, DryFriction):
+            self._write_friction(name, element)
+        elif isinstance(element, Switched):
+            self._write_switch(name, element)
+        elif isinstance(element, R):
             self._write_dissipator(name, element)
-        elif isinstance(element, Se | Sf):
+        elif isinstance(element, SignalBlock):
+            self._write_block(name, element)
+        elif isinstance(element, EffortSource | FlowSource):
             self._write_source(name, element)
         else:
             raise LawError(f"no equations are known for {element!r}", elements=[name])
@@ -323,27 +356,27 @@ class _Derivation:
             self.implicit[state] = self.names[element.coenergy] - self._local(element.law)
             self.dependent[name] = state
 
-    def _write_source(self, name: str, element: Se | Sf) -> None:
-        if isinstance(element, Se):
+    def _write_source(self, name: str, element: EffortSource | FlowSource) -> None:
+        if isinstance(element, EffortSource):
             self.explicit[self.names[element.e]] = self._local(element.effort)
         else:
             self.explicit[self.names[element.f]] = self._local(element.flow)
-        gives = -self._towards(name, self.nets.at[name][0])
-        self.supplied[name] = gives * self.names[element.e] * self.names[element.f]
 
-    def _write_dissipator(self, name: str, element: R | Friction) -> None:
+    def _write_block(self, name: str, element: SignalBlock) -> None:
+        """A signal block's state has its rate by a law."""
+        state, rate = self.names[element.y], sympy.Symbol(f"{name}.rate", real=True)
+        self.explicit[rate] = self._local(element.rate)
+        self.states[state] = rate
+        self.initial.append(self._local(element.initial))
+
+    def _write_switch(self, name: str, element: Switched) -> None:
+        """What a switch decides is open until its mode is known."""
+        gives_effort = self.effort_out[self.nets.at[name][0]] == name
+        self.switches[name] = self.names[element.e if gives_effort else element.f]
+
+    def _write_dissipator(self, name: str, element: R) -> None:
         effort, flow = self.names[element.e], self.names[element.f]
         gives_effort = self.effort_out[self.nets.at[name][0]] == name
-        self.dissipated[name] = effort * flow
-        if isinstance(element, Friction):
-            if not gives_effort:
-                raise LawError(
-                    f"Friction {name!r} is made to decide its flow, which dry friction cannot; "
-                    f"add a compliance or inertia beside it",
-                    elements=[name],
-                )
-            self._write_friction(name, element)
-            return
         known = element.effort if gives_effort else element.flow
         other = element.flow if gives_effort else element.effort
         given, wanted = (flow, effort) if gives_effort else (effort, flow)
@@ -359,7 +392,13 @@ class _Derivation:
                 )
             self.implicit[wanted] = given - self._local(other)
 
-    def _write_friction(self, name: str, element: Friction) -> None:
+    def _write_friction(self, name: str, element: DryFriction) -> None:
+        if self.effort_out[self.nets.at[name][0]] != name:
+            raise LawError(
+                f"{element.kind} {name!r} is made to decide its flow, which dry friction cannot; "
+                f"add a compliance or inertia beside it",
+                elements=[name],
+            )
         if element.smoothing is not None:
             self.explicit[self.names[element.e]] = self._local(element.smoothed())
             return
@@ -411,13 +450,15 @@ class _Derivation:
         if any(slopes[self.storage[name]] for name in self.causal.derivative):
             raise _NotDependentError
 
-    def _modulated_storages(self, rates: Rates) -> None:
+    def _modulated_storages(
+        self, rates: Rates, energies: Mapping[str, sympy.Expr | None]
+    ) -> dict[str, sympy.Expr]:
         """Count the work that a modulation does on a storage, at constant state, as supplied."""
-        for name, element in self.graph.of(Storage):
-            if element.energy is None:
+        supplied = {}
+        for name, energy in energies.items():
+            if energy is None:
                 continue
-            energy = self._local(element.energy)
-            outside = energy.free_symbols - {self.storage[name]} - set(self.graph.parameters)
+            outside = energy.free_symbols - self._states_of(name) - set(self.graph.parameters)
             work = sympy.Add(
                 *(
                     sympy.diff(energy, symbol) * rates.full.of(symbol)
@@ -425,7 +466,18 @@ class _Derivation:
                 )
             )
             if work != 0:
-                self.supplied[f"{name} (modulation)"] = work
+                supplied[f"{name} (modulation)"] = work
+        return supplied
+
+    def _states_of(self, name: str) -> set[sympy.Symbol]:
+        """Return the states that an energy is a function of: a storage's, or all of a field's."""
+        if name in self.storage:
+            return {self.storage[name]}
+        return {
+            state
+            for label, state in self.storage.items()
+            if label.rpartition(".")[0] == name and self.graph.elements[label].partners  # type: ignore[attr-defined]
+        }
 
     def _ports(self) -> dict[str, sympy.Expr]:
         return {
@@ -435,23 +487,10 @@ class _Derivation:
             if key != "speed"
         }
 
-    def _energies(self) -> dict[str, sympy.Expr | None]:
-        return {
-            name: None if element.energy is None else self._local(element.energy)
-            for name, element in self.graph.of(Storage)
-        }
-
-    def _used_parameters(
-        self,
-        assignments: Iterable[tuple[sympy.Symbol, sympy.Expr]],
-        residuals: Iterable[sympy.Expr],
-        outputs: Iterable[sympy.Expr],
-    ) -> tuple[sympy.Symbol, ...]:
+    def _used_parameters(self, *groups: Iterable[sympy.Expr]) -> tuple[sympy.Symbol, ...]:
+        breakaways = (contact.breakaway for contact in self.contacts)
+        laws = (law for _, element in self.graph.of(Switched) for law in element.laws.values())
         used: set[sympy.Basic] = set()
-        for _, expression in assignments:
-            used |= expression.free_symbols
-        energies = [energy for energy in self._energies().values() if energy is not None]
-        breakaways = [contact.breakaway for contact in self.contacts]
-        for expression in (*residuals, *outputs, *self.initial, *energies, *breakaways):
+        for expression in itertools.chain(*groups, self.initial, breakaways, laws):
             used |= expression.free_symbols
         return tuple(symbol for symbol in self.graph.parameters if symbol in used)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sympy
 
-from ..elements import Friction, One, R, Se, Sf, Storage, Zero
+from ..elements import EffortSource, FlowSource, One, R, Storage, Switched, Zero
 from ..graph import BondGraph
 
 
@@ -46,7 +46,7 @@ class Nets:
             if isinstance(element, Zero | One):
                 which = "e" if isinstance(element, Zero) else "f"
                 self._give((which, self.at[name][0]), f"{name}.{which}")
-        for kinds in (Storage, (R, Friction, Se, Sf)):
+        for kinds in (Storage, (R, Switched, EffortSource, FlowSource)):
             for name, _ in graph.of(kinds):
                 self._give(("e", self.at[name][0]), f"{name}.e")
                 self._give(("f", self.at[name][0]), f"{name}.f")

@@ -80,6 +80,9 @@ class Equations:
         ``rear.mass.f``, in the equations' variables.
     input_rates : mapping of Symbol to Symbol
         Input to its rate, where a dependent storage needs the rate.
+    switches : mapping of str to Symbol
+        By the name of a switching element that is not in a mode: the effort or
+        flow that its mode decides; a free symbol of the equations.
     warnings : tuple of str
 
     Examples
@@ -110,6 +113,7 @@ class Equations:
     causal: CausalGraph
     ports: Mapping[str, sympy.Expr] = field(default_factory=dict)
     input_rates: Mapping[sympy.Symbol, sympy.Symbol] = field(default_factory=dict)
+    switches: Mapping[str, sympy.Symbol] = field(default_factory=dict)
 
     @property
     def graph(self) -> BondGraph:
@@ -145,7 +149,15 @@ class Equations:
     def arguments(self) -> frozenset[sympy.Symbol]:
         """All symbols that are given from outside."""
         return frozenset(
-            (TIME, *self.states, *self.inputs, *self.parameters, *self.algebraic, *self.directions)
+            (
+                TIME,
+                *self.states,
+                *self.inputs,
+                *self.parameters,
+                *self.algebraic,
+                *self.directions,
+                *self.switches.values(),
+            )
         )
 
     def substituted(self, expression: sympy.Expr) -> sympy.Expr:

@@ -9,11 +9,11 @@ from typing import Any
 import sympy
 
 from ..bonds import Bond, Chain
-from ..elements import Element, Junction, OnePort
+from ..elements import RS, De, Df, Element, Junction, OnePort
 from ..errors import GraphError
 from .structure import check_structure, disconnected
 from .symbols import Symbols, gather_outputs
-from .value import BondGraph, GraphBond, Port
+from .value import BondGraph, GraphBond, Output, Port
 
 
 def assemble(
@@ -85,10 +85,29 @@ def assemble(
         MappingProxyType(exposed),
         MappingProxyType(symbols.parameters),
         MappingProxyType(symbols.inputs),
-        MappingProxyType(gather_outputs(name, outputs or {}, builder.submodels, symbols)),
+        MappingProxyType(_outputs(name, outputs or {}, builder, symbols)),
         disconnected(name, elements, bonds),
         tuple(notes),
     )
+
+
+def _outputs(
+    name: str, given: Mapping[str, Any], builder: _Builder, symbols: Symbols
+) -> dict[str, Output]:
+    """Gather the outputs given, and one for each sensor of the graph itself."""
+    inner = {element for graph in builder.submodels for element in graph.elements.values()}
+    sensors = {
+        label: Output(element.e if isinstance(element, De) else element.f)
+        for element, label in builder.names.items()
+        if isinstance(element, De | Df) and element not in inner
+    }
+    clash = [label for label in sensors if label in given]
+    if clash:
+        raise GraphError(
+            f"graph {name!r}: output {clash[0]!r} has the name of a sensor; give one another name",
+            elements=clash,
+        )
+    return gather_outputs(name, {**sensors, **given}, builder.submodels, symbols)
 
 
 class _Builder:
@@ -111,11 +130,13 @@ class _Builder:
             for bond in part.bonds:
                 self.add(bond)
             for end in (*part.tails, *part.heads):
-                self._end(end)
+                if not isinstance(end, RS):
+                    self._end(end)
         elif isinstance(part, Bond):
-            self._end(part.tail)
-            self._end(part.head)
-            self._bonds.append(part)
+            tail, head = _port_of(part.tail, heat=True), _port_of(part.head, heat=False)
+            self._end(tail)
+            self._end(head)
+            self._bonds.append(Bond(tail, head))
         elif isinstance(part, Element):
             self._end(part)
         elif isinstance(part, Iterable) and not isinstance(part, str | Mapping):
@@ -185,6 +206,13 @@ def _qualified(bond: GraphBond, prefix: str) -> GraphBond:
     count = bond.name.removeprefix(f"{bond.tail}>{bond.head}")
     tail, head = f"{prefix}.{bond.tail}", f"{prefix}.{bond.head}"
     return GraphBond(f"{tail}>{head}{count}", tail, head)
+
+
+def _port_of(end: Any, heat: bool) -> Any:
+    """Return the port of an RS that a bond ends on: power goes in, heat comes out."""
+    if not isinstance(end, RS):
+        return end
+    return end.heat if heat else end.dissipator
 
 
 def _element(end: Any) -> Element:

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 
 import networkx
 
-from ..elements import Element, Junction, OnePort, TwoPort
+from ..elements import De, Df, Element, Junction, One, OnePort, SignalBlock, TwoPort, Zero
 from ..errors import GraphError
 from .value import GraphBond, signals_of
 
@@ -50,6 +50,7 @@ def check_structure(
         count[bond.tail].append(bond.name)
         count[bond.head].append(bond.name)
         _check_pair(name, bond, elements[bond.tail], elements[bond.head])
+        _check_sensor(name, bond, elements[bond.tail], elements[bond.head])
     for label, element in elements.items():
         _check_count(name, label, element, count[label], label in open_junctions)
 
@@ -70,6 +71,12 @@ def _check_count(graph: str, label: str, element: Element, bonds: list[str], is_
             elements=[label],
             bonds=bonds,
         )
+    if isinstance(element, SignalBlock) and number:
+        raise GraphError(
+            f"{where} is a signal block and has no power bonds; use its state {label}.y in a law",
+            elements=[label],
+            bonds=bonds,
+        )
     if isinstance(element, Junction) and number < 2 and not is_open:
         raise GraphError(
             f"{where} is dangling: it has {'one bond' if number == 1 else 'no bond'}; "
@@ -77,6 +84,22 @@ def _check_count(graph: str, label: str, element: Element, bonds: list[str], is_
             elements=[label],
             bonds=bonds,
         )
+
+
+def _check_sensor(graph: str, bond: GraphBond, tail: Element, head: Element) -> None:
+    """Refuse a sensor that would hold what it is to measure."""
+    for sensor, other, end in ((tail, head, bond.tail), (head, tail, bond.head)):
+        wrong = (isinstance(sensor, De) and isinstance(other, One)) or (
+            isinstance(sensor, Df) and isinstance(other, Zero)
+        )
+        if wrong:
+            held, junction = ("flow", "0") if isinstance(sensor, De) else ("effort", "1")
+            raise GraphError(
+                f"graph {graph!r}: {sensor.kind} {end!r} would hold the {held} of its junction at zero; "
+                f"bond it to a {junction}-junction",
+                elements=[end],
+                bonds=[bond.name],
+            )
 
 
 def _check_pair(graph: str, bond: GraphBond, tail: Element, head: Element) -> None:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable, Iterable, Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy
@@ -21,7 +22,9 @@ from ..elements import C, Storage
 from ..equations import Equations, derive
 from ..errors import SimulationError
 from ..graph import TIME, BondGraph
+from ..modes import contacts
 from ..parameters import Resolver
+from .switched.functions import SwitchedModel
 from .table import ModeFunctions, ModeTable
 
 Array = numpy.ndarray
@@ -60,12 +63,28 @@ class CompiledModel:
     def __init__(self, graph: BondGraph | CausalGraph) -> None:
         self._causal = graph if isinstance(graph, CausalGraph) else assign_causality(graph)
         self._equations: dict[int, Equations] = {}
+        self.switched: SwitchedModel | None = None
         self.equations = self.in_mask(0)
-        self.contact_names = tuple(contact.name for contact in self.equations.contacts)
+        self.switched = self._switched()
+        self.contact_names = contacts(self.equations.graph)
         self.resolver = Resolver(self.equations.graph.parameters)
         sizes = (len(self.equations.states), len(self.equations.inputs), len(self.contact_names))
         self.modes = ModeTable(*sizes, self._functions)
         self._signals: dict[tuple[int, tuple[str, ...]], Callable[..., Any]] = {}
+
+    def _switched(self) -> SwitchedModel | None:
+        """Return the modes of a graph whose switching elements are not all frictions."""
+        equations = self.equations
+        if not equations.switches:
+            return None
+        rates = {
+            symbol: sympy.Symbol(f"der({symbol.name})", real=True)
+            for symbol in equations.graph.inputs
+        }
+        rates |= equations.input_rates
+        inputs = tuple(dict.fromkeys((*equations.inputs, *rates.values())))
+        self.equations = replace(equations, inputs=inputs, input_rates=rates)
+        return SwitchedModel(self.equations, inputs, equations.parameters)
 
     def in_mask(self, mask: int) -> Equations:
         """Return the equations of a structural mode, derived on first use.
@@ -75,6 +94,8 @@ class CompiledModel:
         mask : int
             Bit j is set where contact j is stuck.
         """
+        if self.switched is not None:
+            return self.switched.equations(mask).equations
         if mask not in self._equations:
             stuck = (
                 []
@@ -111,6 +132,12 @@ class CompiledModel:
         if key not in self._signals:
             equations = self.in_mask(mask)
             results = [self.expression(equations, name) for name in names]
+            if self.switched is not None:
+                program = self.switched.program(mask, "signals", {"out": results})
+                calm = [numpy.zeros((len(symbols), 1)) for _, symbols in program.arguments[-2:]]
+                whole = to_numpy(program)
+                self._signals[key] = lambda *arguments: whole(*arguments, *calm)[0]
+                return self._signals[key]
             function = to_numpy(self._program(equations, "signals", results))
             self._signals[key] = lambda *arguments: function(*arguments)[0]
         return self._signals[key]
@@ -165,14 +192,15 @@ class CompiledModel:
     def stiffness_at(self) -> Callable[..., Array]:
         """Slope of each state's own law, as a function of ``(t, x, u, p, s)``, of shape (n, ...)."""
         equations = self.equations
-        elements = {
-            f"{name}.{_letter(item)}": (name, item) for name, item in equations.graph.of(Storage)
-        }
+        elements = {f"{name}.{_letter(item)}": item for name, item in equations.graph.of(Storage)}
         local = {**_own_symbols(equations)}
         slopes = []
         for state in equations.states:
-            _, element = elements[state.name]
-            slopes.append(sympy.diff(element.law, element.state).xreplace(local))
+            element = elements.get(state.name)
+            if element is None:  # a signal block holds no energy
+                slopes.append(sympy.S.Zero)
+            else:
+                slopes.append(sympy.diff(element.law, element.state).xreplace(local))
         function = to_numpy(self._program(equations, "stiffness", slopes))
         return lambda *arguments: function(*arguments)[0]
 

@@ -80,12 +80,17 @@ def _integrate_vm(problem: Problem, options: Options) -> Solution:
     def model(mask: int) -> tuple[Model, Model]:
         if mask not in made:
             mode = problem.modes.functions(mask)
-            made[mask] = _evaluator(mode.rhs), _evaluator(mode.guard)
+            made[mask] = evaluator(mode.rhs), evaluator(mode.guard)
         return made[mask]
 
     stepper = Stepper(problem, options, model)
     outcome = stepper.run()
-    n, k = problem.modes.n, problem.modes.k
+    return solution_of(stepper, outcome)
+
+
+def solution_of(stepper: Stepper, outcome: Outcome) -> Solution:
+    """Gather what the Python twin has done."""
+    n, k = stepper.n, stepper.k
     rows = np.array(stepper.rows).reshape(len(stepper.rows), n + 3)
     codes = np.array(stepper.row_codes, dtype=np.int8).reshape(len(stepper.rows), k)
     events = [
@@ -103,7 +108,7 @@ def _integrate_vm(problem: Problem, options: Options) -> Solution:
     )
 
 
-def _evaluator(function: Any) -> Model:
+def evaluator(function: Any) -> Model:
     """A CasADi function as a plain one, through its buffer: a microsecond a call."""
     if not is_casadi(function):
         return function

@@ -193,7 +193,7 @@ def at(
 
 
 def gather(
-    equations: Equations, given: Mapping[Any, Any] | None
+    equations: Equations, given: Mapping[Any, Any] | None, switched: bool = False
 ) -> InputTable | Callable[[float], numpy.ndarray]:
     """Bring all inputs to one table or function.
 
@@ -203,6 +203,9 @@ def gather(
     given : mapping, optional
         Input name or symbol to a number, `Samples`, ``(times, values)`` or a
         callable of time. Inputs not given are zero.
+    switched : bool
+        Whether rates of inputs stand in the equations because some mode may
+        need them: steps then count as jumps, and functions are differenced.
 
     Returns
     -------
@@ -229,8 +232,10 @@ def gather(
         signals[name] = _signal(name, value)
     needs_rate = {symbol.name for symbol in equations.input_rates}
     if any(callable(signal) for signal in signals.values()):
+        if switched:
+            return _with_rates(_function(signals, set()), equations)
         return _function(signals, needs_rate)
-    return _table(equations, signals)
+    return _table(equations, signals, switched)
 
 
 def _signal(name: str, value: Any) -> Any:
@@ -263,6 +268,21 @@ def _function(signals: Mapping[str, Any], needs_rate: set[str]) -> Callable[[flo
     return function
 
 
+def _with_rates(
+    function: Callable[[float], numpy.ndarray], equations: Equations
+) -> Callable[[float], numpy.ndarray]:
+    """Add the rates of inputs by central differences."""
+    names = [symbol.name for symbol in equations.graph.inputs]
+    order = [names.index(symbol.name) for symbol in equations.input_rates if symbol.name in names]
+
+    def extended(time: float) -> numpy.ndarray:
+        step = 1e-6 * max(abs(time), 1e-3)
+        slopes = (function(time + step) - function(time - step)) / (2 * step)
+        return numpy.concatenate([function(time), slopes[order]])
+
+    return extended
+
+
 def _sampled(signal: Any) -> Callable[[float], float]:
     if not isinstance(signal, Samples):
         return lambda time: signal
@@ -273,7 +293,7 @@ def _sampled(signal: Any) -> Callable[[float], float]:
     )
 
 
-def _table(equations: Equations, signals: Mapping[str, Any]) -> InputTable:
+def _table(equations: Equations, signals: Mapping[str, Any], switched: bool) -> InputTable:
     sampled = [signal for signal in signals.values() if isinstance(signal, Samples)]
     knots = (
         numpy.unique(numpy.concatenate([signal.times for signal in sampled]))
@@ -286,7 +306,7 @@ def _table(equations: Equations, signals: Mapping[str, Any]) -> InputTable:
         evaluate = _sampled(signal)
         columns[name] = numpy.array([evaluate(time) for time in knots], dtype=float)
         holds[name] = HOLDS[signal.hold] if isinstance(signal, Samples) else 0
-    _rates(equations, knots, columns, holds)
+    _rates(equations, knots, columns, holds, switched)
     order = [symbol.name for symbol in equations.inputs]
     values = numpy.array([columns[name] for name in order]).reshape(len(order), len(knots)).T
     return InputTable(knots, values, numpy.array([holds[name] for name in order]))
@@ -297,6 +317,7 @@ def _rates(
     knots: numpy.ndarray,
     columns: dict[str, numpy.ndarray],
     holds: dict[str, int],
+    switched: bool,
 ) -> None:
     """Add the rates of inputs that the equations use: slopes of straight lines."""
     for symbol, rate in equations.input_rates.items():
@@ -307,6 +328,9 @@ def _rates(
             )
         values = columns[symbol.name]
         steps = not holds[symbol.name] and len(numpy.unique(values)) > 1
+        if steps and switched:
+            columns[rate.name], holds[rate.name] = numpy.zeros(len(knots)), 0
+            continue
         if steps:
             raise ParameterError(
                 f"input {symbol.name!r} drives a dependent storage, which steps cannot; use Samples with hold='linear'"

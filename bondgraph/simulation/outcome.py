@@ -22,6 +22,8 @@ class Outcome(enum.Enum):
     FINISHED = "finished"
     EVENT_LIMIT = "event limit"
     CHATTERING = "chattering"
+    ZENO = "zeno"
+    NO_MODE = "no consistent mode"
     STEP_UNDERFLOW = "step underflow"
     STEP_LIMIT = "step limit"
     NON_FINITE = "non-finite"
@@ -47,6 +49,14 @@ _ADVICE = {
     Outcome.CHATTERING: (
         "the friction modes switch without time going on; check that kinetic friction at zero slip "
         "does not exceed the breakaway force, and that no two frictions hold the same motion"
+    ),
+    Outcome.ZENO: (
+        "impacts follow each other ever faster and pile up before the run's end; give the end stop "
+        "rest=..., the closing speed below which it does not rebound"
+    ),
+    Outcome.NO_MODE: (
+        "no set of modes of the switching elements fits this state, such as an open switch that "
+        "leaves a current no way; add a diode, capacitance or resistance where it could go on"
     ),
     Outcome.STEP_UNDERFLOW: (
         "the step fell below the resolution of time; the solution may be singular here, or the "

@@ -11,12 +11,12 @@ import numpy
 from ..causality import CausalGraph
 from ..errors import SimulationError
 from ..graph import BondGraph
-from ..modes import LABELS
 from ..values import initial_values, parameter_values
 from .compiled import CompiledModel
 from .hybrid import integrate
 from .inputs import at, gather
 from .problem import Options, Problem, Solution
+from .switched import integrate_switched
 from .trajectory import Energy, Event, Trajectory
 
 
@@ -90,7 +90,7 @@ def simulate(
     span = _span(t_span)
     equations = model.equations
     values = parameter_values(equations, parameters, model.resolver)
-    table = gather(equations, inputs)
+    table = gather(equations, inputs, switched=model.switched is not None)
     x0 = numpy.array(initial_values(equations, values, initial), dtype=float)
     p = numpy.array([values[symbol.name] for symbol in equations.parameters], dtype=float)
     stored, weights = _measures(model, span[0], x0, table, p)
@@ -114,9 +114,20 @@ def simulate(
         t_eval=_grid(t_eval, span),
         backend=backend,
     )
-    solution = integrate(problem, options)
+    solution = _integrate(model, problem, options)
     end = stored(solution.t_end, solution.x_end) if stored else None
     return _trajectory(model, solution, values, table, _audit(solution, start, end))
+
+
+def _integrate(model: CompiledModel, problem: Problem, options: Options) -> Solution:
+    if model.switched is None:
+        return integrate(problem, options)
+    if options.backend == "native":
+        raise SimulationError(
+            f"model {model.equations.name!r} has switching elements other than friction, which run on the "
+            f"virtual machine; use backend='auto'"
+        )
+    return integrate_switched(problem, options, model.switched)
 
 
 def _span(t_span: Any) -> tuple[float, float]:
@@ -156,7 +167,7 @@ def _measures(
     """Return the stored-energy function of (t, x), and each state's scale for unit energy."""
 
     def arguments(t: float, x: numpy.ndarray) -> tuple[Any, ...]:
-        directions = numpy.ones((len(model.contact_names), 1))
+        directions = numpy.ones((len(model.equations.contacts), 1))
         return numpy.array([[t]]), x[:, None], at(table, numpy.array([t])), p[:, None], directions
 
     slopes = model.stiffness_at(*arguments(t0, x0))[:, 0]
@@ -183,8 +194,14 @@ def _trajectory(
     model: CompiledModel, solution: Solution, values: dict[str, float], table: Any, energy: Energy
 ) -> Trajectory:
     names = model.contact_names
+    elements = [model.equations.graph.elements[name] for name in names]
     events = tuple(
-        Event(event.t, names[event.switch], LABELS[event.before], LABELS[event.after])
+        Event(
+            event.t,
+            names[event.switch],
+            elements[event.switch].label(event.before),  # type: ignore[attr-defined]
+            elements[event.switch].label(event.after),  # type: ignore[attr-defined]
+        )
         for event in solution.events
     )
     return Trajectory(

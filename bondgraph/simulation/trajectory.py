@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 import numpy
 
 from ..errors import BondGraphError, SimulationError
-from ..modes import LABELS
 from ..parameters import unknown_name
 from .compiled import CompiledModel
 from .inputs import at
@@ -147,9 +146,12 @@ class Trajectory:
     def modes(self) -> dict[str, Array]:
         """Mode of each contact at all times, as arrays of str."""
         return {
-            name: numpy.array([LABELS[int(code)] for code in column], dtype=object)
+            name: numpy.array([self._label(name, int(code)) for code in column], dtype=object)
             for name, column in zip(self.model.contact_names, self.codes.T, strict=True)
         }
+
+    def _label(self, name: str, code: int) -> str:
+        return self.model.equations.graph[name].label(code)
 
     def unit(self, name: str) -> str:
         """Return the unit of a signal: declared for outputs and inputs, inferred for the rest.

@@ -1,10 +1,4 @@
-"""Modes: a graph with switching elements, seen in one of its modes.
-
-In a mode each Friction is an ordinary element: stuck it imposes zero flow,
-slipping it is a dissipator with a smooth law. The graph of a mode goes through
-the same causality and derivation as any other, so that a stuck brake loses a
-state by the machinery that handles any derivative causality.
-"""
+"""Graphs in modes: switching elements replaced by what they are while a mode lasts."""
 
 from __future__ import annotations
 
@@ -15,14 +9,10 @@ from typing import Any
 
 import sympy
 
-from .elements import Element, Friction, R, Sf
-from .errors import LawError, ParameterError
-from .graph import BondGraph
-from .laws import exact
-
-STICK, SLIP_FORWARD, SLIP_BACKWARD = "stick", "slip+", "slip-"
-CODES: Mapping[str, int] = MappingProxyType({STICK: 0, SLIP_FORWARD: 1, SLIP_BACKWARD: -1})
-LABELS: Mapping[int, str] = MappingProxyType({code: label for label, code in CODES.items()})
+from ..elements import DryFriction, Element, Friction, Switched
+from ..errors import LawError, ParameterError
+from ..graph import BondGraph
+from ..laws import exact
 
 
 def contacts(graph: BondGraph) -> tuple[str, ...]:
@@ -43,7 +33,7 @@ def contacts(graph: BondGraph) -> tuple[str, ...]:
     >>> contacts(assemble("sled", v >> (I("m", 1), Friction("floor", kinetic=lambda speed: 3))))
     ('floor',)
     """
-    return tuple(name for name, element in graph.of(Friction) if element.smoothing is None)
+    return tuple(name for name, element in graph.of(Switched) if element.switches)
 
 
 def in_mode(graph: BondGraph, modes: Mapping[str, str]) -> BondGraph:
@@ -53,8 +43,9 @@ def in_mode(graph: BondGraph, modes: Mapping[str, str]) -> BondGraph:
     ----------
     graph : BondGraph
     modes : mapping of str to str
-        Qualified name of a Friction to ``"stick"``, ``"slip+"`` or ``"slip-"``;
-        contacts not named keep their modes open.
+        Qualified name of a switching element to the label of a mode, such as
+        ``"stick"``, ``"slip+"`` or ``"slip-"`` of a Friction, ``"blocking"`` or
+        ``"conducting"`` of a Diode; those not named keep their modes open.
 
     Returns
     -------
@@ -64,7 +55,7 @@ def in_mode(graph: BondGraph, modes: Mapping[str, str]) -> BondGraph:
     Raises
     ------
     ParameterError
-        For a name that is no Friction, or a mode that does not exist.
+        For a name that has no modes, or a mode that does not exist.
 
     Examples
     --------
@@ -77,17 +68,16 @@ def in_mode(graph: BondGraph, modes: Mapping[str, str]) -> BondGraph:
     changed: dict[str, Element] = {}
     for name, mode in modes.items():
         element = graph.elements.get(name)
-        if not isinstance(element, Friction) or element.smoothing is not None:
+        if not isinstance(element, Switched) or not element.switches:
             known = ", ".join(contacts(graph)) or "none"
             raise ParameterError(
-                f"{name!r} is no Friction with modes of graph {graph.name!r}; it has {known}",
+                f"{name!r} is no element with modes of graph {graph.name!r}; it has {known}",
                 elements=[name],
             )
-        if mode not in CODES:
-            raise ParameterError(
-                f"{name!r} has no mode {mode!r}; use {', '.join(CODES)}", elements=[name]
-            )
-        changed[name] = _frozen_in(element, CODES[mode])
+        try:
+            changed[name] = element.plain(element.code(mode))
+        except LawError as error:
+            raise ParameterError(str(error), elements=[name]) from None
     return replace(graph, elements=MappingProxyType({**graph.elements, **changed}))
 
 
@@ -120,24 +110,13 @@ def smoothed(graph: BondGraph, width: Any) -> BondGraph:
     value = exact(width)
     if value.is_positive is False:
         raise LawError(f"the smoothing width is {width}; it must be positive")
-    changed = {name: _smooth(element, value) for name, element in graph.of(Friction)}
+    changed = {name: _smooth(element, value) for name, element in graph.of(DryFriction)}
     return replace(graph, elements=MappingProxyType({**graph.elements, **changed}))
 
 
-def _smooth(element: Friction, width: sympy.Expr) -> Friction:
+def _smooth(element: DryFriction, width: sympy.Expr) -> DryFriction:
     def kinetic(speed: sympy.Expr) -> sympy.Expr:
         return element.kinetic.xreplace({element.speed: speed})
 
     twin = Friction(element.name, kinetic=kinetic, breakaway=element.breakaway, smoothing=width)
     return twin.replaced({twin.e: element.e, twin.f: element.f})
-
-
-def _frozen_in(element: Friction, code: int) -> Element:
-    """Return the plain element that a contact is in one mode, with the same port variables."""
-    plain: Sf | R
-    if code == CODES[STICK]:
-        plain = Sf(element.name, 0)
-    else:
-        law = element.slipping(sympy.Integer(code))
-        plain = R(element.name, effort=lambda flow: law.xreplace({element.f: flow}))
-    return plain.replaced({plain.e: element.e, plain.f: element.f})

@@ -1,0 +1,190 @@
+"""Equations of one mode, on the state vector of the whole graph.
+
+A mode may bind states: a blocking diode in series with an inductor, a closed switch
+across a capacitor, a mass at its end stop. Their storages are then in derivative
+causality, and their states follow from the others. The state vector stays whole all
+the same: a bound state moves at the rate that keeps it bound.
+
+What a mode holds is written with a value imposed on it, zero while the mode lasts. An
+impact or a commutation is that value going to zero in no time: the rates of the states
+are linear in its rate, and so tell the jump. No rule of impact is written down anywhere;
+momentum and charge are kept because the graph keeps them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, replace
+from types import MappingProxyType
+
+import sympy
+
+from ..causality import assign_causality
+from ..elements import C, DryFriction, Storage, Switched
+from ..equations import Equations, derive
+from ..errors import BondGraphError, CausalConflictError
+from ..graph import BondGraph
+
+
+@dataclass(frozen=True, eq=False)
+class ModeEquations:
+    """Equations of one mode.
+
+    Attributes
+    ----------
+    held : frozenset of str
+        Switching elements in their mode of code 0, in which the flow is held.
+    equations : Equations
+        Of the graph in the mode. Frictions that slip keep their direction open.
+    states : tuple of Symbol
+        Of the whole graph.
+    derivatives : tuple of Expr
+        Rate of each state of the whole graph.
+    bound : tuple of Symbol
+        States of the whole graph that follow from others in this mode; each has
+        an assignment in the equations.
+    imposed, imposed_rates : mapping of str to Symbol
+        By switching element: value imposed on what its mode holds, and its rate,
+        where the equations use them.
+    answers : mapping of str to Expr
+        By switching element: effort where the flow is held, else flow.
+    margins, values : mapping of str to Expr
+        By switching element: what stays positive while the mode lasts; the slip
+        or holding effort of a Friction, the margin itself of others.
+    """
+
+    held: frozenset[str]
+    equations: Equations
+    states: tuple[sympy.Symbol, ...]
+    derivatives: tuple[sympy.Expr, ...]
+    bound: tuple[sympy.Symbol, ...]
+    imposed: Mapping[str, sympy.Symbol]
+    imposed_rates: Mapping[str, sympy.Symbol]
+    answers: Mapping[str, sympy.Expr]
+    margins: Mapping[str, sympy.Expr]
+    values: Mapping[str, sympy.Expr]
+
+
+def mode_equations(base: Equations, held: Collection[str]) -> ModeEquations:
+    """Derive the equations of a mode, on the states of the whole graph.
+
+    Parameters
+    ----------
+    base : Equations
+        Of the graph with all modes open.
+    held : collection of str
+        Switching elements in their mode of code 0; the others are in their other
+        mode.
+
+    Returns
+    -------
+    ModeEquations
+
+    Raises
+    ------
+    BondGraphError
+        Where the mode cannot be, such as two held flows in series, or where it
+        frees a state that the whole graph does not have.
+
+    Examples
+    --------
+    >>> from bondgraph import Diode, I, One, R, Se, assemble, derive
+    >>> loop = One("loop")
+    >>> graph = assemble("choke", Se("E", 1) >> loop >> (Diode("d"), I("coil", 2), R("r", 3)))
+    >>> blocked = mode_equations(derive(graph), ["d"])
+    >>> [str(state) for state in blocked.bound]
+    ['coil.p']
+    """
+    graph = base.graph
+    imposed = {
+        name: sympy.Symbol(f"{name}.imposed", real=True)
+        for name, element in graph.of(Switched)
+        if element.switches
+    }
+    plain = {
+        name: graph.elements[name].plain(0 if name in held else 1, symbol)  # type: ignore[attr-defined]
+        for name, symbol in imposed.items()
+        if name in held or not isinstance(graph.elements[name], DryFriction)
+    }
+    frozen = replace(
+        graph,
+        elements=MappingProxyType({**graph.elements, **plain}),
+        inputs=MappingProxyType({**graph.inputs, **{imposed[name]: "" for name in plain}}),
+    )
+    equations = _derived(frozen, base)
+    rates = _rates(equations)
+    missing = [state.name for state in equations.states if state not in base.states]
+    if missing:
+        raise BondGraphError(
+            f"graph {graph.name!r}: with {_named(held)} held, {', '.join(missing)} becomes free, which it is not "
+            f"otherwise; put a small compliance or resistance beside it",
+            elements=missing,
+        )
+    own = _own_symbols(equations)
+    elements = {name: graph.elements[name] for name in imposed}
+    margins, values, answers = {}, {}, {}
+    for name, element in elements.items():
+        assert isinstance(element, Switched)
+        stays = name in held
+        variables = {element.e: own[element.e], element.f: own[element.f]}
+        answers[name] = variables[element.e if stays else element.f]
+        direction = {c.name: c.direction for c in equations.contacts}.get(name)
+        if direction is not None:
+            margins[name], values[name] = direction * variables[element.f], variables[element.f]
+        else:
+            margins[name] = element.margin(0 if stays else 1).xreplace(own)
+            held_friction = isinstance(element, DryFriction)
+            values[name] = variables[element.e] if held_friction else sympy.S.Zero
+            if not stays:
+                values[name] = margins[name]
+    return ModeEquations(
+        held=frozenset(held),
+        equations=equations,
+        states=base.states,
+        derivatives=tuple(rates[state] for state in base.states),
+        bound=tuple(state for state in base.states if state not in equations.states),
+        imposed=MappingProxyType({n: s for n, s in imposed.items() if n in plain}),
+        imposed_rates=MappingProxyType(
+            {n: equations.input_rates[s] for n, s in imposed.items() if s in equations.input_rates}
+        ),
+        answers=MappingProxyType(answers),
+        margins=MappingProxyType(margins),
+        values=MappingProxyType(values),
+    )
+
+
+def _derived(graph: BondGraph, base: Equations) -> Equations:
+    """Derive with the storages dependent that always are; without, where that cannot be."""
+    always = base.causal.derivative
+    if always:
+        try:
+            return derive(assign_causality(graph, always))
+        except CausalConflictError:
+            pass
+    return derive(graph)
+
+
+def _rates(equations: Equations) -> dict[sympy.Symbol, sympy.Expr]:
+    """Return the rate of every state, bound or not."""
+    rates: dict[sympy.Symbol, sympy.Expr] = dict(
+        zip(equations.states, equations.derivatives, strict=True)
+    )
+    for name, element in equations.graph.of(Storage):
+        letter, conjugate = ("q", "f") if isinstance(element, C) else ("p", "e")
+        state = sympy.Symbol(f"{name}.{letter}", real=True)
+        rates.setdefault(state, equations.ports[f"{name}.{conjugate}"])
+    return rates
+
+
+def _own_symbols(equations: Equations) -> dict[sympy.Basic, sympy.Expr]:
+    """Map the elements' own symbols to the equations' variables."""
+    return {
+        symbol: equations.ports[f"{name}.{key}"]
+        for name, element in equations.graph.elements.items()
+        for key, symbol in element.symbols.items()
+        if f"{name}.{key}" in equations.ports
+    }
+
+
+def _named(names: Collection[str]) -> str:
+    return ", ".join(sorted(names)) or "nothing"

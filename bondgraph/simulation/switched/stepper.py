@@ -1,0 +1,166 @@
+"""The integrator on switched models: from event to event, with a search for the next modes."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable
+
+import numpy
+
+from ...errors import BondGraphError, SimulationError
+from ..outcome import Outcome
+from ..problem import Options, Problem
+from ..stepper import EPSILON, TINY, Model, Stepper, _End
+from .functions import SwitchedModel
+from .search import Found, ModeSearch, Point, mask_of, other_codes
+
+log = logging.getLogger(__name__)
+
+Array = numpy.ndarray
+
+ZENO_BOUNCES = 8
+# Bounces that get closer end here: what is left of them lasts less than this part of the run.
+ZENO_REST = 1e-6
+
+
+class SwitchedStepper(Stepper):
+    """A run whose modes hold and bind states.
+
+    Steps, interpolation and the location of events are those of `Stepper`; what happens at an
+    event is decided by `ModeSearch`.
+
+    Parameters
+    ----------
+    problem, options, model
+        As for `Stepper`.
+    switched : SwitchedModel
+    """
+
+    def __init__(
+        self,
+        problem: Problem,
+        options: Options,
+        model: Callable[[int], tuple[Model, Model]],
+        switched: SwitchedModel,
+    ) -> None:
+        super().__init__(problem, options, model)
+        self.switched = switched
+        self.search_modes = ModeSearch(switched)
+        self.impacts: dict[int, list[float]] = {}
+
+    def classify(self) -> None:
+        """Modes at the start, and where an input jumped."""
+        codes = self._commanded(self.code if self.started else self._first())
+        self._enter(codes)
+
+    def settle(self) -> None:
+        """Modes after an event: what fired changes, and what follows from that."""
+        codes = self.code.copy()
+        for j in numpy.flatnonzero(self.fired):
+            codes[j] = self._after(int(j))
+        self._watch()
+        self._enter(codes)
+
+    def _after(self, j: int) -> int:
+        """The code that a switch changes to when its margin is used up."""
+        element, code = self.switched.elements[j], int(self.code[j])
+        others = other_codes(element, code)
+        if len(others) == 1:
+            return others[0]
+        return int(numpy.sign(self.sample[0, self.k + j])) or 1 if code == 0 else 0
+
+    def _first(self) -> Array:
+        """Codes to begin a search with, in the first mode that can be."""
+        start = numpy.ones(self.k, dtype=int)
+        found = self._possible(start)
+        if found is None:
+            raise SimulationError(
+                f"model {self.switched.base.name!r} can be in no set of modes: {self.search_modes.refusal}"
+            )
+        margins, values, noise = self.search_modes.guards(found, self._point(), self.x[: self.n])
+        for j, element in enumerate(self.switched.elements):
+            if len(element.modes) == 3:
+                slips = found[j] != 0 and abs(values[j]) > noise[j]
+                found[j] = (1 if values[j] > 0 else -1) if slips else 0
+            elif not element.commanded:
+                found[j] = found[j] if margins[j] > noise[j] else 1 - found[j]
+        return found
+
+    def _possible(self, start: Array) -> Array | None:
+        """A set of modes whose equations exist, near a first one."""
+        search = self.search_modes
+        for codes in search._others(start):
+            try:
+                self.switched.numbers(mask_of(numpy.array(codes)))
+            except BondGraphError as error:
+                search.refusal = str(error)
+                continue
+            return numpy.array(codes, dtype=int)
+        return None
+
+    def _commanded(self, codes: Array) -> Array:
+        """Codes in which commanded switches stand as their signals say."""
+        codes = codes.copy()
+        if any(element.commanded for element in self.switched.elements):
+            margins, _, _ = self.search_modes.guards(codes, self._point(), self.x[: self.n])
+            for j, element in enumerate(self.switched.elements):
+                if element.commanded and margins[j] < 0:
+                    codes[j] = 1 - codes[j]
+        return codes
+
+    def _point(self) -> Point:
+        scale = numpy.maximum(numpy.abs(self.x[: self.n]), 1e3 * self.floor)
+        ahead = min(self.h if self.h > 0 else numpy.inf, 1e-3 * (self.t_end - self.t_begin))
+        return Point(
+            t=self.t,
+            x=self.x,
+            u=self.input_at(self.t),
+            p=self.parameters,
+            scale=scale,
+            probe=1e-3 * max(min(ahead, self.t_end - self.t), 1e4 * EPSILON * abs(self.t)),
+            tick=8 * EPSILON * max(abs(self.t), TINY),
+        )
+
+    def _enter(self, natural: Array) -> None:
+        found = self.search_modes.find(natural, self._point(), self.code if self.started else None)
+        if found is None:
+            log.warning("no consistent mode at t = %g: %s", self.t, self.search_modes.refusal)
+            raise _End(Outcome.NO_MODE)
+        self._bounce(found)
+        moved = found.jump.moved
+        self.x = found.jump.x
+        margins, _, noise = self.search_modes.guards(found.codes, self._point(), self.x[: self.n])
+        self.fresh = numpy.abs(margins) <= 4 * noise
+        self.adopt(found.codes)
+        if moved and self.keep_step:
+            self.keep_step = False
+            self.restart()
+
+    def _bounce(self, found: Found) -> None:
+        """Log impacts that leave a stop free, and end a run in which they pile up."""
+        for j in found.rebounds:
+            if self.started and self.code[j] == 1:
+                if len(self.events) >= self.options.max_events:
+                    raise _End(Outcome.EVENT_LIMIT)
+                self.events.append((self.t, j, 1, 1, found.jump.x))
+                if self.t_eval is None:
+                    self.put_row(self.t, found.jump.x)
+            times = self.impacts.setdefault(j, [])
+            times.append(self.t)
+            del times[: -ZENO_BOUNCES - 1]
+            gaps = numpy.diff(times)
+            if len(gaps) == ZENO_BOUNCES and numpy.all(gaps[1:] < gaps[:-1]):
+                ratio = (gaps[-1] / gaps[0]) ** (1 / (ZENO_BOUNCES - 1))
+                rest = gaps[-1] * ratio / (1 - ratio)
+                if rest <= ZENO_REST * (self.t_end - self.t_begin):
+                    raise _End(Outcome.ZENO)
+
+    def _watch(self) -> None:
+        """End a run in which modes change without time going on."""
+        window = self.instants.maxlen or 0
+        crowded = len(self.instants) == window and self.t - self.instants[0] <= 1e-12 * (
+            self.t_end - self.t_begin
+        ) + 1000 * EPSILON * abs(self.t)
+        if crowded:
+            raise _End(Outcome.CHATTERING)
+        self.instants.append(self.t)
