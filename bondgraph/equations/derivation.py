@@ -394,11 +394,14 @@ class _Derivation:
 
     def _write_friction(self, name: str, element: DryFriction) -> None:
         if self.effort_out[self.nets.at[name][0]] != name:
-            raise LawError(
-                f"{element.kind} {name!r} is made to decide its flow, which dry friction cannot; "
-                f"add a compliance or inertia beside it",
-                elements=[name],
-            )
+            if element.smoothing is not None:
+                raise LawError(
+                    f"{element.kind} {name!r} is made to decide its flow, which its smooth law cannot; "
+                    f"add a compliance or inertia beside it",
+                    elements=[name],
+                )
+            self._write_switch(name, element)
+            return
         if element.smoothing is not None:
             self.explicit[self.names[element.e]] = self._local(element.smoothed())
             return

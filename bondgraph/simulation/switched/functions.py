@@ -142,8 +142,7 @@ class SwitchedModel:
         )
 
     def _directions(self, mode: ModeEquations) -> list[sympy.Symbol]:
-        known = {contact.name: contact.direction for contact in mode.equations.contacts}
-        return [known.get(name, sympy.Dummy(f"{name}.direction")) for name in self.names]
+        return [mode.directions.get(name, sympy.Dummy(f"{name}.direction")) for name in self.names]
 
     def impact(self, switch: int, p: Array) -> tuple[float, float]:
         """Return restitution and rest speed of an end stop, for a parameter vector."""
