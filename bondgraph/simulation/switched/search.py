@@ -18,6 +18,7 @@ Array = numpy.ndarray
 
 EPSILON = float(numpy.finfo(float).eps)
 WOBBLE = 1.0 / 1048576.0
+PROBES = 4
 MAX_TRIES = 256  # of modes, before those farther away are tried in turn
 MAX_ALL = 12  # switches of which all combinations are tried
 
@@ -110,7 +111,7 @@ class ModeSearch:
             if isinstance(found, Found):
                 return found
             queue.extend(found)
-        for codes in self._others(natural) if len(natural) <= MAX_ALL else ():
+        for codes in self.nearby(natural) if len(natural) <= MAX_ALL else ():
             if codes not in seen:
                 found = self._attempt(numpy.array(codes, dtype=int), point, now)
                 if isinstance(found, Found):
@@ -130,8 +131,9 @@ class ModeSearch:
         scatter = numpy.where(numpy.arange(len(x)) % 2, -1.0, 1.0) * WOBBLE
         moved = numpy.abs(guard(t, x + scatter * numpy.maximum(numpy.abs(x), point.scale)) - found)
         noise = 64 * EPSILON * (moved / WOBBLE + numpy.abs(found))
-        noise += numpy.abs(guard(t + point.tick, x) - found)
-        noise += numpy.abs(guard(t - point.tick, x) - found)
+        drift = mode.rhs(t, x, u, p, s).full().ravel()[: len(x)]
+        for tick in (point.tick, -point.tick):
+            noise += numpy.abs(guard(t + tick, x + tick * drift) - found)
         return found[:k], found[k:], noise[:k]
 
     def _attempt(
@@ -210,13 +212,17 @@ class ModeSearch:
         return {j: code for j, (_, code) in sorted(wrong.items(), key=lambda item: item[1][0])}
 
     def _ahead(self, codes: Array, point: Point, x: Array) -> Array:
-        """Return the margins a moment later, to second order in time."""
+        """Return the margins a moment later.
+
+        Several small steps, since a gap that is zero now may open with the third order of time
+        only, where the force that held it turns.
+        """
         mode = self.model.numbers(mask_of(codes))
         t, u, p, s = point.place(codes)
         n, h = len(x), point.probe
-        for part in (0.0, 1.0):
+        for part in range(PROBES):
             x = x + h * mode.rhs(t + part * h, x, u, p, s).full().ravel()[:n]
-        return mode.guard(t + 2 * h, x, u, p, s).full().ravel()[: len(codes)]
+        return mode.guard(t + PROBES * h, x, u, p, s).full().ravel()[: len(codes)]
 
     def _turned(self, j: int, code: int, value: float, impulse: float, noise: float) -> int:
         """Return the code that a switch changes to."""
@@ -240,10 +246,15 @@ class ModeSearch:
     def _flipped(self, codes: Array, changes: dict[int, int]) -> tuple[int, ...]:
         return tuple(changes.get(j, int(code)) for j, code in enumerate(codes))
 
-    def _others(self, natural: Array) -> Iterator[tuple[int, ...]]:
-        """All other combinations of modes, those with few changes first."""
+    def nearby(self, natural: Array, commands: bool = False) -> Iterator[tuple[int, ...]]:
+        """All combinations of modes, those with few changes first.
+
+        With ``commands``, those that commanded switches are not in by their signals as well.
+        """
         choices: Sequence[Sequence[int]] = [
-            [int(code)] if element.commanded else [int(code), *other_codes(element, int(code))]
+            [int(code)]
+            if element.commanded and not commands
+            else [int(code), *other_codes(element, int(code))]
             for element, code in zip(self.model.elements, natural, strict=True)
         ]
         combinations = itertools.product(*choices)
