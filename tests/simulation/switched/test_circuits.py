@@ -207,7 +207,9 @@ class TestSwitch:
             Se("E", 1) >> loop >> (R("r", 1), C("c", 1), Switch("s", closed=u - 0.5)),
             inputs=[u],
         )
-        run = simulate(graph, 3.0, inputs={"u": Samples([0, 1, 2], [0, 1, 0], hold="zero")}, rtol=1e-9)
+        run = simulate(
+            graph, 3.0, inputs={"u": Samples([0, 1, 2], [0, 1, 0], hold="zero")}, rtol=1e-9
+        )
         assert [(e.t, e.to_mode) for e in run.events] == [(1.0, "closed"), (2.0, "open")]
         assert run.final["c.q"] == pytest.approx(1 - np.exp(-1), rel=1e-8)
 
