@@ -67,7 +67,8 @@ def initial_values(
         Parameter values.
     given : mapping, optional
         State name or symbol to a number. An output that is proportional to a
-        single state, such as a mass's speed, may be given in its place.
+        single state, such as a mass's speed, may be given in its place. Names of
+        algebraic variables are left to `algebraic_guess`.
 
     Returns
     -------
@@ -93,17 +94,50 @@ def initial_values(
         for state, initial in zip(equations.states, equations.initial, strict=True)
     }
     names = {state.name: state for state in equations.states}
-    for key, value in (given or {}).items():
-        name = key if isinstance(key, str) else getattr(key, "name", str(key))
-        number = _real(f"initial value of {name!r}", _si(name, value))
+    implicit = [symbol.name for symbol in equations.algebraic]
+    for name, number in _numbers(given):
         if name in names:
             start[names[name]] = number
         elif name in equations.outputs:
             state, state_value = _from_output(equations, name, number, numbers)
             start[state] = state_value
-        else:
-            raise unknown_name("state", name, [*names, *equations.outputs])
+        elif name not in implicit:
+            raise unknown_name("state", name, [*names, *implicit, *equations.outputs])
     return [start[state] for state in equations.states]
+
+
+def algebraic_guess(equations: Equations, given: Mapping[Any, Any] | None = None) -> list[float]:
+    """Return the guess of the algebraic variables, from which their solution is sought.
+
+    Parameters
+    ----------
+    equations : Equations
+    given : mapping, optional
+        Names or symbols to numbers, as for `initial_values`; others are zero.
+
+    Returns
+    -------
+    list of float
+        Ordered as ``equations.algebraic``.
+
+    Examples
+    --------
+    >>> from bondgraph import C, R, Zero, assemble, derive
+    >>> graph = assemble("g", Zero("u") >> (C("c", 1), R("r", effort=lambda f: f + f**3)))
+    >>> algebraic_guess(derive(graph), {"r.f": 0.5, "c.q": 2})
+    [0.5]
+    """
+    numbers = dict(_numbers(given))
+    return [numbers.get(symbol.name, 0.0) for symbol in equations.algebraic]
+
+
+def _numbers(given: Mapping[Any, Any] | None) -> list[tuple[str, float]]:
+    """Return what was given as names and finite numbers in SI."""
+    pairs = []
+    for key, value in (given or {}).items():
+        name = key if isinstance(key, str) else getattr(key, "name", str(key))
+        pairs.append((name, _real(f"initial value of {name!r}", _si(name, value))))
+    return pairs
 
 
 def _si(name: str, value: Any) -> float:

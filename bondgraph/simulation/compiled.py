@@ -22,6 +22,7 @@ from ..equations import Equations, derive
 from ..errors import SimulationError
 from ..graph import TIME, BondGraph
 from ..parameters import Resolver
+from .dae import SmoothFunctions, smooth_functions
 from .table import ModeFunctions, ModeTable
 
 Array = numpy.ndarray
@@ -48,7 +49,7 @@ class CompiledModel:
     Raises
     ------
     SimulationError
-        If the equations keep algebraic variables.
+        If the equations keep algebraic variables while contacts have modes.
 
     Examples
     --------
@@ -82,11 +83,12 @@ class CompiledModel:
                 else [name for bit, name in enumerate(self.contact_names) if mask >> bit & 1]
             )
             equations = derive(self._causal, stuck=stuck)
-            if equations.algebraic:
+            if equations.algebraic and equations.contacts:
                 names = ", ".join(symbol.name for symbol in equations.algebraic)
                 raise SimulationError(
-                    f"model {equations.name!r} keeps algebraic variables ({names}), which the explicit "
-                    f"integrator cannot follow; add a compliance or inertia where they arise",
+                    f"model {equations.name!r} keeps algebraic variables ({names}) beside contacts "
+                    f"with modes, and no integrator here follows both; add a compliance or inertia "
+                    f"where they arise, or smooth the contacts",
                     elements=[symbol.name for symbol in equations.algebraic],
                 )
             self._equations[mask] = equations
@@ -105,7 +107,7 @@ class CompiledModel:
         -------
         callable
             ``(t, x, u, p, s)``, each of shape (size, ...), to one array of
-            shape (len(names), ...).
+            shape (len(names), ...). Algebraic variables follow the states in x.
         """
         key = (mask, names)
         if key not in self._signals:
@@ -117,8 +119,8 @@ class CompiledModel:
 
     def expression(self, equations: Equations, name: str) -> sympy.Expr:
         """Return the expression behind a signal's name, or raise KeyError."""
-        states = {state.name: state for state in equations.states}
-        for table in (equations.outputs, states, equations.ports):
+        solved = {symbol.name: symbol for symbol in (*equations.states, *equations.algebraic)}
+        for table in (equations.outputs, solved, equations.ports):
             if name in table:
                 return table[name]
         for symbol in (*equations.inputs, *equations.parameters):
@@ -128,13 +130,14 @@ class CompiledModel:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Names of all signals: outputs, states, inputs and port variables."""
+        """Names of all signals: outputs, states, inputs, port and algebraic variables."""
         equations = self.equations
         names = [
             *equations.outputs,
             *(symbol.name for symbol in (*equations.states, *equations.inputs)),
         ]
-        return tuple(dict.fromkeys([*names, *equations.ports]))
+        implicit = (symbol.name for symbol in equations.algebraic)
+        return tuple(dict.fromkeys([*names, *equations.ports, *implicit]))
 
     @functools.cached_property
     def units(self) -> Mapping[str, str | None]:
@@ -142,8 +145,13 @@ class CompiledModel:
         return infer(self.equations.graph).units
 
     @functools.cached_property
+    def smooth(self) -> SmoothFunctions:
+        """Functions for the integrators of smooth models, contacts and modes aside."""
+        return smooth_functions(self.equations, self._parameters())
+
+    @functools.cached_property
     def stored(self) -> Callable[..., Array] | None:
-        """Stored energy as a function of ``(t, x, u, p, s)``.
+        """Stored energy as a function of ``(t, x, u, p, s)``, x with the algebraic variables.
 
         Laws without a known potential are integrated numerically from zero;
         None where a storage is modulated and has no potential.
@@ -224,7 +232,7 @@ class CompiledModel:
             name,
             [
                 ("t", [TIME]),
-                ("x", equations.states),
+                ("x", (*equations.states, *equations.algebraic)),
                 ("u", equations.inputs),
                 ("p", self._parameters()),
                 ("s", equations.directions),
