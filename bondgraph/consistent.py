@@ -52,6 +52,11 @@ def consistent(residual: Residual, guess: Array) -> Array | None:
     guess = numpy.array(guess, dtype=float)
     if not guess.size:
         return guess
+    with numpy.errstate(all="ignore"):  # trial values may overflow; they are turned down
+        return _searched(residual, guess)
+
+
+def _searched(residual: Residual, guess: Array) -> Array | None:
     starts = [guess, numpy.zeros_like(guess)] if guess.any() else [guess]
     for start in starts:
         found = newton(residual, start)

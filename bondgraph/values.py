@@ -94,14 +94,14 @@ def initial_values(
         for state, initial in zip(equations.states, equations.initial, strict=True)
     }
     names = {state.name: state for state in equations.states}
-    implicit = [symbol.name for symbol in equations.algebraic]
     for name, number in _numbers(given):
         if name in names:
             start[names[name]] = number
         elif name in equations.outputs:
             state, state_value = _from_output(equations, name, number, numbers)
             start[state] = state_value
-        elif name not in implicit:
+        elif _algebraic(equations, name) is None:
+            implicit = [symbol.name for symbol in equations.algebraic]
             raise unknown_name("state", name, [*names, *implicit, *equations.outputs])
     return [start[state] for state in equations.states]
 
@@ -113,7 +113,8 @@ def algebraic_guess(equations: Equations, given: Mapping[Any, Any] | None = None
     ----------
     equations : Equations
     given : mapping, optional
-        Names or symbols to numbers, as for `initial_values`; others are zero.
+        Names or symbols to numbers, as for `initial_values`; others are zero. A
+        port variable that equals an algebraic variable, but for the sign, will do.
 
     Returns
     -------
@@ -127,8 +128,26 @@ def algebraic_guess(equations: Equations, given: Mapping[Any, Any] | None = None
     >>> algebraic_guess(derive(graph), {"r.f": 0.5, "c.q": 2})
     [0.5]
     """
-    numbers = dict(_numbers(given))
-    return [numbers.get(symbol.name, 0.0) for symbol in equations.algebraic]
+    start = dict.fromkeys(equations.algebraic, 0.0)
+    for name, number in _numbers(given):
+        found = _algebraic(equations, name)
+        if found is not None:
+            start[found[0]] = found[1] * number
+    return list(start.values())
+
+
+def _algebraic(equations: Equations, name: str) -> tuple[sympy.Symbol, int] | None:
+    """Return the algebraic variable that a name stands for, and with which sign."""
+    implicit = {symbol.name: symbol for symbol in equations.algebraic}
+    if name in implicit:
+        return implicit[name], 1
+    if not implicit or name not in equations.ports:
+        return None
+    value = equations.substituted(equations.ports[name])
+    for symbol in equations.algebraic:
+        if value in (symbol, -symbol):
+            return symbol, 1 if value == symbol else -1
+    return None
 
 
 def _numbers(given: Mapping[Any, Any] | None) -> list[tuple[str, float]]:

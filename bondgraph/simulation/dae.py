@@ -95,9 +95,8 @@ def smooth_functions(equations: Equations, parameters: Sequence[sympy.Symbol]) -
         },
     )
     sizes = [len(symbols) for _, symbols in program.arguments]
-    t, x, z, u, p = arguments = [
-        casadi.SX.sym(label, size) for size, label in zip(sizes, "txzup", strict=True)
-    ]
+    arguments = [casadi.SX.sym(label, size) for size, label in zip(sizes, "txzup", strict=True)]
+    x, z, u = arguments[1:4]
     rates = to_casadi(program)
     ode, alg, _ = rates(*arguments)
     f_x, f_z, g_x, g_z, g_u = (

@@ -12,8 +12,8 @@ from collections.abc import Sequence
 
 import numpy
 
-from .folds import SINGULAR, polished, turns
 from .dae import SmoothFunctions, solve_algebraic
+from .folds import SINGULAR, polished, turns
 from .outcome import Outcome
 from .pieces import Piece
 from .plugin import Failed, Plugin, Stretch
@@ -122,9 +122,17 @@ class March:
         signs, matrices = self._turns(part, numpy.array([self.t]), self.x, self.z)
         self._sign = float(signs[0])
         if not self._best:
-            largest = numpy.abs(matrices[0] * self._sizes[1]).max(axis=1)
-            self._rows_scale = numpy.where(largest > 0, largest, 1.0)
+            self._weigh(part)
         self._best = max(self._best, self._determined(matrices[0]))
+
+    def _weigh(self, part: Piece) -> None:
+        """Take the scale of each residual, and how well determined all are, from this point."""
+        if not self._functions.nz:
+            return
+        matrix = self._turns(part, numpy.array([self.t]), self.x, self.z)[1][0]
+        largest = numpy.abs(matrix * self._sizes[1]).max(axis=1)
+        self._rows_scale = numpy.where(largest > 0, largest, 1.0)
+        self._best = self._determined(matrix)
 
     def _through(self, part: Piece, inner: list[float]) -> None:
         """Pass through a piece and keep rows at the times inside it."""
@@ -173,7 +181,7 @@ class March:
             except Failed as failure:
                 self.steps += failure.steps
                 step = (end - self.t) / (2 if failure.work else 4)
-                if step <= smallest:
+                if step <= smallest or (failure.work and self._lost(part)):
                     raise _Stopped(self._reason(part, step)) from None
                 continue
             self._arrive(end, got, z)
@@ -199,6 +207,7 @@ class March:
             if self._settled or self._fits(got):
                 break
             self.steps += got.steps
+            self._weigh(part)
         self._settled = True
         if numpy.abs(got.x).max(initial=0.0) > BOUND:
             raise Failed(got.steps)
@@ -259,11 +268,16 @@ class March:
             if not all(numpy.isfinite(value.full()).all() for value in found):
                 return Outcome.NON_FINITE
             ahead, x = self.t + reach, self.x + reach * rates
-        if self._functions.nz:
-            matrix = self._turns(part, numpy.array([self.t]), self.x, self.z)[1][0]
-            if self._turned or self._determined(matrix) < SINGULAR * self._best:
-                return Outcome.SINGULAR
+        if self._turned or self._lost(part, SINGULAR):
+            return Outcome.SINGULAR
         return Outcome.STEP_UNDERFLOW
+
+    def _lost(self, part: Piece, share: float = SINGULAR**2) -> bool:
+        """Whether the residuals hardly determine the algebraic variables any more."""
+        if not self._functions.nz:
+            return False
+        matrix = self._turns(part, numpy.array([self.t]), self.x, self.z)[1][0]
+        return self._determined(matrix) <= share * self._best
 
     def _turns(self, part: Piece, times: Array, x: Array, z: Array) -> tuple[Array, Array]:
         u = part.u[:, None] + part.slope[:, None] * (times - part.start)

@@ -23,7 +23,8 @@ Array = numpy.ndarray
 # hundredth of the tolerance leaves an error like that of one-step methods, at twice the steps.
 SHARPER = {"cvodes": 1e-2, "idas": 1e-2, "rosenbrock": 1.0}
 TIGHTEST = 1e-13
-# Below this share of its largest value so far, a state's error is measured absolutely.
+# Below this share of its largest value so far, a state's error is measured absolutely; that of an
+# algebraic variable, which remembers nothing and is solved anew in each row, is so everywhere.
 FLOOR = 1e-3
 
 
@@ -134,7 +135,7 @@ class Plugin:
         ------
         Failed
         """
-        size_x, size_z = sizes[0] + self._atol, sizes[1] + self._atol
+        size_x, size_z = sizes[0] + self._atol, sizes[1] / FLOOR + self._atol
         start = numpy.append(x / size_x, [0.0] if not self._n else [])
         arguments = numpy.concatenate([time, *inputs, p, size_x, size_z])
         integrator = self._integrator(pattern, time[1], max_steps)
@@ -192,7 +193,7 @@ def _scaled(functions: SmoothFunctions) -> dict[str, casadi.SX]:
     size_x, size_z = symbol("size_x", n), symbol("size_z", nz)
     passed = length * tau
     ode, alg, powers = functions.rates(
-        start + passed, y[:n] * size_x, w * size_z, u + slope * passed, p
+        start + passed, y * size_x if n else size_x, w * size_z, u + slope * passed, p
     )
     rates = length * ode / size_x if n else casadi.SX.zeros(1)
     return {
