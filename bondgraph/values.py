@@ -136,6 +136,14 @@ def algebraic_guess(equations: Equations, given: Mapping[Any, Any] | None = None
     return list(start.values())
 
 
+def algebraic_names(equations: Equations) -> set[str]:
+    """Return all names by which `algebraic_guess` takes a number."""
+    if not equations.algebraic:
+        return set()
+    names = {symbol.name for symbol in equations.algebraic}
+    return names | {name for name in equations.ports if _algebraic(equations, name)}
+
+
 def _algebraic(equations: Equations, name: str) -> tuple[sympy.Symbol, int] | None:
     """Return the algebraic variable that a name stands for, and with which sign."""
     implicit = {symbol.name: symbol for symbol in equations.algebraic}
