@@ -180,7 +180,9 @@ class CompiledModel:
         slopes = []
         for state in equations.states:
             _, element = elements[state.name]
-            slopes.append(sympy.diff(element.law, element.state).xreplace(local))
+            slope = sympy.diff(element.law, element.state).xreplace(local)
+            # a law that jumps has no slope there that a number could tell
+            slopes.append(slope.replace(sympy.DiracDelta, lambda *_: sympy.S.Zero))
         function = to_numpy(self._program(equations, "stiffness", slopes))
         return lambda *arguments: function(*arguments)[0]
 

@@ -108,11 +108,14 @@ def smooth_functions(equations: Equations, parameters: Sequence[sympy.Symbol]) -
         casadi.fabs(alg),
     )
     return SmoothFunctions(
-        *sizes[1:],
-        tuple(symbol.name for symbol in equations.algebraic),
-        rates,
-        casadi.Function("residual", arguments, [alg, g_z, casadi.densify(terms)]),
-        casadi.Function("slopes", arguments, [ode, alg, f_x, f_z, g_x, g_z]),
+        n=len(equations.states),
+        nz=len(equations.algebraic),
+        m=len(equations.inputs),
+        np=len(parameters),
+        names=tuple(symbol.name for symbol in equations.algebraic),
+        rates=rates,
+        residual=casadi.Function("residual", arguments, [alg, g_z, casadi.densify(terms)]),
+        slopes=casadi.Function("slopes", arguments, [ode, alg, f_x, f_z, g_x, g_z]),
     )
 
 

@@ -55,7 +55,7 @@ def quiet() -> Iterator[list[str]]:
     with _lock:
         ear = sys.stderr if isinstance(sys.stderr, _Ear) else _Ear(sys.stderr)
         heard = ear.heard.setdefault(me, [])
-        sys.stderr = ear  # type: ignore[assignment]
+        sys.stderr = ear
     try:
         yield heard
     finally:

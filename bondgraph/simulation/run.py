@@ -140,6 +140,7 @@ def _hybrid(
     options: Options,
 ) -> Trajectory:
     span, x0, p = start
+    model.modes.functions(0)  # first, to say by name what has no numeric form
     stored, weights = _measures(model, span[0], x0, table, p)
     energy = stored(span[0], x0) if stored else 0.0
     problem = Problem(
