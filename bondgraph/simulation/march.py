@@ -27,6 +27,8 @@ PATTERNS = 64
 STEPS = 5000  # between two output times, before a stretch is halved
 BOUND = 1e100
 CORRECTIONS = 5
+# Of the size first estimated: what stays below is rounding, and no measure of anything.
+LEAST = 1e-12
 
 
 class _Stopped(Exception):  # an answer within this module, not an error
@@ -71,7 +73,8 @@ class March:
     ) -> None:
         self._functions, self._plugin, self._p, self._options = functions, plugin, p, options
         self._sizes = sizes
-        self._settled = False
+        self._floors = LEAST * sizes[0], LEAST * sizes[1]
+        self._seen = numpy.abs(x), numpy.abs(z)
         self._sign = 0.0
         self._rows_scale = numpy.ones(functions.nz)
         self._best = 0.0
@@ -170,14 +173,14 @@ class March:
 
     def _reach(self, part: Piece, target: float) -> None:
         """Integrate to one time by as many stretches as it takes."""
-        step = target - self.t
+        step = length = target - self.t
         smallest = 16 * numpy.finfo(float).eps * max(abs(self.t), abs(target))
         while self.t < target:
             self._check()
             whole = step >= target - self.t
             end = target if whole else self.t + step
             try:
-                got, z = self._stretch(part, (1.0,), numpy.array([end]))
+                got, z = self._stretch(part, (1.0,), numpy.array([end]), cut=step < length)
             except Failed as failure:
                 self.steps += failure.steps
                 step = (end - self.t) / (2 if failure.work else 4)
@@ -189,29 +192,34 @@ class March:
                 step *= 2
 
     def _stretch(
-        self, part: Piece, pattern: tuple[float, ...], times: Array
+        self, part: Piece, pattern: tuple[float, ...], times: Array, *, cut: bool = False
     ) -> tuple[Stretch, Array]:
-        """Integrate over a stretch and check what came out, or raise Failed."""
+        """Integrate over a stretch and check what came out, or raise Failed.
+
+        A stretch cut short after a failure does not tell the size of algebraic variables.
+        """
+        got = self._integrated(part, pattern, times)
         for _ in range(CORRECTIONS):
-            u = part.u + part.slope * (self.t - part.start)
-            got = self._plugin(
-                pattern,
-                (self.t, float(times[-1]) - self.t),
-                self.x,
-                self.z,
-                (u, part.slope),
-                self._p,
-                self._sizes,
-                min(STEPS, max(self._options.max_steps - self.steps, 1)),
-            )
-            if self._settled or self._fits(got):
+            if self._fits(got, cut):
                 break
             self.steps += got.steps
             self._weigh(part)
-        self._settled = True
+            got = self._integrated(part, pattern, times)
         if numpy.abs(got.x).max(initial=0.0) > BOUND:
             raise Failed(got.steps)
         return got, self._consistent(part, times, got)
+
+    def _integrated(self, part: Piece, pattern: tuple[float, ...], times: Array) -> Stretch:
+        return self._plugin(
+            pattern,
+            (self.t, float(times[-1]) - self.t),
+            self.x,
+            self.z,
+            (part.u + part.slope * (self.t - part.start), part.slope),
+            self._p,
+            self._sizes,
+            min(STEPS, max(self._options.max_steps - self.steps, 1)),
+        )
 
     def _consistent(self, part: Piece, times: Array, got: Stretch) -> Array:
         if not self._functions.nz:
@@ -228,14 +236,17 @@ class March:
         self._best = max(self._best, self._determined(matrices[-1]))
         return z
 
-    def _fits(self, got: Stretch) -> bool:
-        """Whether the sizes first estimated fit what came out; where not, correct them."""
+    def _fits(self, got: Stretch, cut: bool) -> bool:
+        """Whether the sizes estimated fit what came out so far; where not, correct them."""
         fits = True
         corrected = []
-        for size, values, now in zip(self._sizes, (got.x, got.z), (self.x, self.z), strict=True):
-            seen = numpy.fmax(numpy.abs(values).max(axis=1, initial=0.0), numpy.abs(now))
-            low = numpy.fmax(seen, 1e-6 * size)
-            wrong = (size > 100 * low) & (seen > 0)
+        sides = zip(self._sizes, self._floors, self._seen, (got.x, got.z), strict=True)
+        for index, (size, floor, seen, values) in enumerate(sides):
+            largest = numpy.fmax(seen, numpy.abs(values).max(axis=1, initial=0.0))
+            low = numpy.fmax(numpy.fmax(largest, 1e-6 * size), floor)
+            wrong = (size > 100 * low) & (largest > 0)
+            if cut and index:
+                wrong[:] = False
             fits = fits and not wrong.any()
             corrected.append(numpy.where(wrong, low, size))
         self._sizes = corrected[0], corrected[1]
@@ -245,9 +256,13 @@ class March:
         self.t, self.x, self.z = t, got.x[:, -1], z[:, -1]
         self.work = self.work + got.work[:, -1]
         self.steps += got.steps
+        self._seen = (
+            numpy.fmax(self._seen[0], numpy.abs(got.x).max(axis=1, initial=0.0)),
+            numpy.fmax(self._seen[1], numpy.abs(z).max(axis=1, initial=0.0)),
+        )
         self._sizes = (
-            numpy.fmax(self._sizes[0], numpy.abs(got.x).max(axis=1, initial=0.0)),
-            numpy.fmax(self._sizes[1], numpy.abs(z).max(axis=1, initial=0.0)),
+            numpy.fmax(self._sizes[0], self._seen[0]),
+            numpy.fmax(self._sizes[1], self._seen[1]),
         )
 
     def _check(self) -> None:

@@ -3,7 +3,9 @@
 An absolute tolerance needs a size for a state that starts at zero. It is
 estimated by implicit Euler steps of all lengths, from the linearised start, under
 the inputs of the run; a step that is far too long for a mode lands near where the
-mode comes to rest, so that stiff models give no absurd numbers.
+mode comes to rest, so that stiff models give no absurd numbers. All terms count by
+their size: what they cancel to, such as the output of a balanced bridge, would be
+rounding.
 """
 
 from __future__ import annotations
@@ -46,18 +48,20 @@ def typical(
     x, z = start
     sizes_x, sizes_z = numpy.abs(x), numpy.abs(z)
     _, _, f_x, f_z, g_x, g_z = _numbers(functions, samples[0], x, z, p)
-    follow = _solved(g_z, g_x)
+    settle = numpy.abs(_inverse(g_z))
+    follow = _inverse(g_z) @ g_x
     matrix = f_x - f_z @ follow
-    steps = span * 10.0 ** -numpy.arange(DECADES + 1)
+    pushes = []
     for sample in samples:
         f, g, *_ = _numbers(functions, sample, x, z, p)
-        shift = -_solved(g_z, g[:, None])[:, 0]
-        push = f + f_z @ shift
+        shift = settle @ numpy.abs(g)
         sizes_z = _larger(sizes_z, shift)
-        for step in steps:
-            change = _solved(numpy.eye(len(x)) / step - matrix, push[:, None])[:, 0]
-            sizes_x = _larger(sizes_x, change)
-            sizes_z = _larger(sizes_z, follow @ change)
+        pushes.append(numpy.abs(f) + numpy.abs(f_z) @ shift)
+    for step in span * 10.0 ** -numpy.arange(DECADES + 1):
+        reach = numpy.abs(_inverse(numpy.eye(len(x)) / step - matrix))
+        for push in pushes:
+            sizes_x = _larger(sizes_x, reach @ push)
+            sizes_z = _larger(sizes_z, numpy.abs(follow) @ reach @ push)
     return _positive(sizes_x), _positive(sizes_z)
 
 
@@ -69,14 +73,12 @@ def _numbers(
     return [f.ravel(), g.ravel(), *slopes]
 
 
-def _solved(matrix: Array, right: Array) -> Array:
-    """Solve where that can be done; nan where it cannot."""
-    if not len(matrix):
-        return numpy.zeros(right.shape)
+def _inverse(matrix: Array) -> Array:
+    """Invert where that can be done; nan where it cannot."""
     try:
-        return numpy.linalg.solve(matrix, right)
+        return numpy.linalg.inv(matrix)
     except numpy.linalg.LinAlgError:
-        return numpy.full(right.shape, numpy.nan)
+        return numpy.full(matrix.shape, numpy.nan)
 
 
 def _larger(sizes: Array, other: Array) -> Array:
