@@ -123,7 +123,7 @@ def mode_equations(base: Equations, held: Collection[str]) -> ModeEquations:
         inputs=MappingProxyType({**graph.inputs, **{imposed[name]: "" for name in plain}}),
         parameters=MappingProxyType({**graph.parameters, **constant}),
     )
-    equations = _derived(frozen, base)
+    equations = base if not plain else _derived(frozen, base)
     _refuse_open(equations)
     rates = _rates(equations)
     missing = [state.name for state in equations.states if state not in base.states]

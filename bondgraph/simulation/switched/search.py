@@ -11,7 +11,7 @@ import numpy
 
 from ...elements import DryFriction, EndStop, Switched
 from ...errors import BondGraphError
-from .functions import ModeNumbers, SwitchedModel
+from ..mode_set import ModeNumbers, ModeSet
 from .jump import Jump, imposed_before, jump
 
 Array = numpy.ndarray
@@ -77,7 +77,7 @@ class ModeSearch:
 
     Parameters
     ----------
-    model : SwitchedModel
+    model : ModeSet
 
     Attributes
     ----------
@@ -85,7 +85,7 @@ class ModeSearch:
         What spoke against the mode tried last.
     """
 
-    def __init__(self, model: SwitchedModel) -> None:
+    def __init__(self, model: ModeSet) -> None:
         self.model = model
         self.refusal = ""
 
@@ -125,13 +125,13 @@ class ModeSearch:
         k = len(codes)
 
         def guard(t: float, x: Array) -> Array:
-            return mode.guard(t, x, u, p, s).full().ravel()
+            return mode.guard(t, x, u, p, s)
 
         found = guard(t, x)
         scatter = numpy.where(numpy.arange(len(x)) % 2, -1.0, 1.0) * WOBBLE
         moved = numpy.abs(guard(t, x + scatter * numpy.maximum(numpy.abs(x), point.scale)) - found)
         noise = 64 * EPSILON * (moved / WOBBLE + numpy.abs(found))
-        drift = mode.rhs(t, x, u, p, s).full().ravel()[: len(x)]
+        drift = mode.rhs(t, x, u, p, s)[: len(x)]
         for tick in (point.tick, -point.tick):
             noise += numpy.abs(guard(t + tick, x + tick * drift) - found)
         return found[:k], found[k:], noise[:k]
@@ -221,8 +221,8 @@ class ModeSearch:
         t, u, p, s = point.place(codes)
         n, h = len(x), point.probe
         for part in range(PROBES):
-            x = x + h * mode.rhs(t + part * h, x, u, p, s).full().ravel()[:n]
-        return mode.guard(t + PROBES * h, x, u, p, s).full().ravel()[: len(codes)]
+            x = x + h * mode.rhs(t + part * h, x, u, p, s)[:n]
+        return mode.guard(t + PROBES * h, x, u, p, s)[: len(codes)]
 
     def _turned(self, j: int, code: int, value: float, impulse: float, noise: float) -> int:
         """Return the code that a switch changes to."""

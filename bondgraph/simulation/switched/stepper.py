@@ -9,10 +9,10 @@ import numpy
 
 from ...elements import EndStop
 from ...errors import BondGraphError, SimulationError
+from ..mode_set import ModeSet
 from ..outcome import Outcome
 from ..problem import Options, Problem
 from ..stepper import EPSILON, TINY, E, Model, Stepper, _End, _weighted
-from .functions import SwitchedModel
 from .search import Found, ModeSearch, Point, mask_of, other_codes
 
 log = logging.getLogger(__name__)
@@ -34,7 +34,7 @@ class SwitchedStepper(Stepper):
     ----------
     problem, options, model
         As for `Stepper`.
-    switched : SwitchedModel
+    switched : ModeSet
     """
 
     def __init__(
@@ -42,7 +42,7 @@ class SwitchedStepper(Stepper):
         problem: Problem,
         options: Options,
         model: Callable[[int], tuple[Model, Model]],
-        switched: SwitchedModel,
+        switched: ModeSet,
     ) -> None:
         super().__init__(problem, options, model)
         self.switched = switched
