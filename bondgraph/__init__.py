@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from .parameters import Parameter
     from .simulation import CompiledModel, Outcome, Samples, Trajectory, simulate
     from .steady import SteadyState, steady_state
+    from .symbolic import SymbolicSystem, routh_hurwitz, symbolic_system
 
 _HOME = {
     "BondGraph": "graph",
@@ -41,6 +42,7 @@ _HOME = {
     "Se": "elements",
     "Sf": "elements",
     "SteadyState": "steady",
+    "SymbolicSystem": "symbolic",
     "TF": "elements",
     "TIME": "graph",
     "Trajectory": "simulation",
@@ -51,10 +53,12 @@ _HOME = {
     "in_mode": "modes",
     "linearize": "linear",
     "load": "files",
+    "routh_hurwitz": "symbolic",
     "save": "files",
     "simulate": "simulation",
     "smoothed": "modes",
     "steady_state": "steady",
+    "symbolic_system": "symbolic",
 }
 
 __all__ = [
@@ -79,6 +83,7 @@ __all__ = [
     "Output",
     "Parameter",
     "R",
+    "routh_hurwitz",
     "Samples",
     "save",
     "Se",
@@ -87,6 +92,8 @@ __all__ = [
     "smoothed",
     "steady_state",
     "SteadyState",
+    "symbolic_system",
+    "SymbolicSystem",
     "TF",
     "TIME",
     "Trajectory",
