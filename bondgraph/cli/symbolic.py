@@ -141,7 +141,9 @@ def _text(
         yield _section("Outputs", lines)
     if system.at:
         point = [f"{symbol.name} = {_plain(value)}" for symbol, value in system.at.items()]
-        drift = [f"der({state.name}) = {_plain(rate)} there" for state, rate in system.drift.items()]
+        drift = [
+            f"der({state.name}) = {_plain(rate)} there" for state, rate in system.drift.items()
+        ]
         yield _section("Operating point", point + drift)
     for name, matrix, rows, columns in _matrices(system):
         yield _section(name, _entries(matrix, rows, columns) or ["zero"])
@@ -155,9 +157,7 @@ def _text(
         yield _section(f"Transfer function from {item.input} to {item.output}", lines)
     if conditions is not None:
         lines = [f"{_plain(item)} > 0" for item in conditions.conditions]
-        yield _section(
-            "Routh-Hurwitz", [conditions.status.value, *conditions.reasons, *lines]
-        )
+        yield _section("Routh-Hurwitz", [conditions.status.value, *conditions.reasons, *lines])
 
 
 def _section(heading: str, lines: Iterable[str]) -> str:
@@ -224,7 +224,9 @@ def _json(
         "drift": {state.name: str(rate) for state, rate in system.drift.items()},
         **{name: _rows(getattr(system, name)) for name in "ABCD"},
         "characteristic_polynomial": _words(polynomial.coefficients) if polynomial else None,
-        "poles": None if poles is None else [{"pole": str(p), "times": n} for p, n in poles.items()],
+        "poles": None
+        if poles is None
+        else [{"pole": str(p), "times": n} for p, n in poles.items()],
         "transfer": [
             {
                 "output": item.output,

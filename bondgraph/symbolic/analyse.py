@@ -80,7 +80,9 @@ def symbolic_system(
         name=equations.name,
         states=equations.states,
         inputs=columns,
-        parameters=_others([*rates.values(), *found.residuals, *found.outputs.values(), *point.values()], known),
+        parameters=_others(
+            [*rates.values(), *found.residuals, *found.outputs.values(), *point.values()], known
+        ),
         rates=rates,
         outputs=found.outputs,
         algebraic=equations.algebraic,
@@ -135,9 +137,7 @@ def _in_modes(graph: BondGraph | Equations, modes: Mapping[str, str]) -> Equatio
     return equations
 
 
-def _parameters(
-    equations: Equations, given: Mapping[Any, Any]
-) -> dict[sympy.Basic, sympy.Expr]:
+def _parameters(equations: Equations, given: Mapping[Any, Any]) -> dict[sympy.Basic, sympy.Expr]:
     """Read what is to stand for parameters, numbers in SI."""
     table = equations.graph.parameters
     known = {symbol.name: symbol for symbol in table}

@@ -10,15 +10,15 @@ from ..codegen.to_latex import latex
 
 
 def aligned(rows: Iterable[str]) -> str:
-    """Put rows that hold an ``&`` into an ``align*`` environment.
+    r"""Put rows that hold an ``&`` into an ``align*`` environment.
 
     Examples
     --------
     >>> print(aligned(["a &= b", "c &= d"]))
-    \\begin{align*}
-    a &= b \\\\
+    \begin{align*}
+    a &= b \\
     c &= d
-    \\end{align*}
+    \end{align*}
     """
     body = " \\\\\n".join(rows)
     return f"\\begin{{align*}}\n{body}\n\\end{{align*}}"

@@ -91,8 +91,7 @@ def transfer_quotient(
     bottom, rows = _resolvent(space, a, budget, c)
     border, scale = _border(space, columns)
     bordered = [
-        {**row, len(kept): entry} if entry else row
-        for row, entry in zip(rows, border, strict=True)
+        {**row, len(kept): entry} if entry else row for row, entry in zip(rows, border, strict=True)
     ]
     top = space.normal(determinant(bordered, space.ring, budget))
     budget.spend(len(bottom) * len(scale))

@@ -17,7 +17,7 @@ from .tidy import factored, factors, ratio, tidy
 
 @dataclass(frozen=True)
 class Polynomial:
-    """A polynomial in one variable.
+    r"""A polynomial in one variable.
 
     Attributes
     ----------
@@ -35,7 +35,7 @@ class Polynomial:
     >>> polynomial.degree, polynomial.expression
     (2, b*s + k + m*s**2)
     >>> print(polynomial.to_latex())
-    m \\, s^{2} + b \\, s + k
+    m \, s^{2} + b \, s + k
     """
 
     coefficients: tuple[sympy.Expr, ...]
@@ -79,7 +79,7 @@ class Polynomial:
 
     def to_latex(self) -> str:
         """Write the polynomial as LaTeX, highest power first."""
-        shown = []
+        shown: list[str] = []
         for number, power in self._terms():
             text = _term(number, power, self.names)
             shown.append(text if text.startswith("-") or not shown else f"+ {text}")

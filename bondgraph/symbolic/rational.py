@@ -215,7 +215,7 @@ def cancelled(top: Poly, factors: Counter[Poly]) -> tuple[Poly, Counter[Poly]]:
     images = Images(len(top.ring.gens))
     for factor, power in factors.items():
         if top and len(factor) == 1:  # a generator
-            often = min(power, min(monomial[factor.degrees().index(1)] for monomial in top))
+            often = min(power, *(monomial[factor.degrees().index(1)] for monomial in top))
             top, power = top.exquo(factor**often), power - often
         while top and power and len(factor) > 1 and images.may_divide(factor, top):
             quotient, remainder = top.div(factor)

@@ -26,7 +26,6 @@ from .rational import Poly, Polynomials, polynomials_over, split_monomial
 from .signs import Signs, what_is_left
 from .tidy import factored
 
-
 NEGATIVE = "negative"
 
 
@@ -53,7 +52,7 @@ class RouthHurwitz:
     integrators : int
         Roots at zero, which are set aside: each is a free integrator.
     conditions : tuple of Expr
-        All must be positive. What follows from the symbols' assumptions is left out.
+        All must be positive for all other roots. What follows from the symbols' assumptions is left out.
     violated : tuple of Expr
         Conditions that no admissible parameters meet, as they are before simplification.
     reasons : tuple of str
@@ -228,7 +227,9 @@ def _never(signs: Signs, poly: Poly) -> str:
 def _without_zeros(space: Polynomials, poly: Poly) -> tuple[int, Poly]:
     """Split off roots at zero."""
     if not poly:
-        raise SymbolicError("all coefficients are zero: every number is a root; check the polynomial")
+        raise SymbolicError(
+            "all coefficients are zero: every number is a root; check the polynomial"
+        )
     zeros = split_monomial(poly)[0][0]
     return zeros, poly.exquo(space.s**zeros)
 
@@ -253,7 +254,9 @@ def _wanted(space: Polynomials, poly: Poly, budget: Budget) -> Iterable[tuple[Po
             return
     for order in range(1 + degree % 2, degree, 2):
         found = space.normal(hurwitz_determinant(space, numbers, order, budget))
-        words = f"Hurwitz determinant {order}" if order > 1 else f"the coefficient of s^{degree - 1}"
+        words = (
+            f"Hurwitz determinant {order}" if order > 1 else f"the coefficient of s^{degree - 1}"
+        )
         yield found, words
         if _never(signs, found):
             return

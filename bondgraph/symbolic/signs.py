@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
-import sympy
-
 from .rational import Poly, Polynomials
 from .tidy import factors
+
+MAX_ROUNDS = 5
 
 
 @dataclass(frozen=True)
@@ -34,6 +34,7 @@ class Signs:
 
     Examples
     --------
+    >>> import sympy
     >>> from bondgraph.symbolic.rational import polynomials_over
     >>> m, x = sympy.Symbol("m", positive=True), sympy.Symbol("x", real=True)
     >>> space = polynomials_over([m + x])
@@ -79,9 +80,7 @@ def _term(number: int, monomial: Iterable[int], generators: list[Sign]) -> Sign:
     return UNKNOWN if value is None else Sign(value, strict)
 
 
-def what_is_left(
-    space: Polynomials, positive: Iterable[Poly]
-) -> tuple[list[Poly], list[Poly]]:
+def what_is_left(space: Polynomials, positive: Iterable[Poly]) -> tuple[list[Poly], list[Poly]]:
     """Reduce conditions ``p > 0`` to those that the assumptions leave open.
 
     Parameters
@@ -93,12 +92,14 @@ def what_is_left(
     Returns
     -------
     open : list of Poly
-        These must be positive: all of them if and only if all given are.
+        These must be positive: all of them if and only if all given are. None
+        are told where some are violated.
     violated : list of Poly
         Those given that are never positive, or not where all others are.
 
     Examples
     --------
+    >>> import sympy
     >>> from bondgraph.symbolic.rational import polynomials_over
     >>> b, k = sympy.Symbol("b", nonnegative=True), sympy.Symbol("k", positive=True)
     >>> space = polynomials_over([b * k])
@@ -111,23 +112,23 @@ def what_is_left(
     pieces = {poly: _pieces(space, Signs(space, {}), poly) for poly in wanted}
     violated = [poly for poly, found in pieces.items() if found is None]
     open_ = {poly: found for poly, found in pieces.items() if found is not None}
-    changed = not violated
-    while changed:
-        changed = False
-        for poly, before in open_.items():
+    for _ in range(0 if violated else MAX_ROUNDS):
+        start = dict(open_)
+        for poly in start:
             others = [item for other, found in open_.items() if other != poly for item in found]
             after = _pieces(space, Signs(space, _positive(others)), poly)
             if after is None:
                 return [], [poly]
-            changed = changed or after != before
-            open_[poly] = after
+            open_[poly] = after  # all together still say the same
+        if open_ == start:
+            break
     found = dict.fromkeys(item for pieces in open_.values() for item in pieces)
-    return sorted(found, key=_readable), violated
+    return [] if violated else sorted(found, key=_readable), violated
 
 
 def _positive(polys: Iterable[Poly]) -> dict[Poly, Sign]:
     """Return what is known where these are positive."""
-    known = {}
+    known: dict[Poly, Sign] = {}
     for poly in polys:
         known |= {poly: Sign(1, strict=True), -poly: Sign(-1, strict=True)}
     return known

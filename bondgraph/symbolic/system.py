@@ -203,7 +203,9 @@ class SymbolicSystem:
             [self.transfer_function(name, source, s).expression for source in sources]
             for name in self.outputs
         ]
-        return sympy.ImmutableMatrix(len(rows), len(sources), [item for row in rows for item in row])
+        return sympy.ImmutableMatrix(
+            len(rows), len(sources), [item for row in rows for item in row]
+        )
 
     def dcgain(self, output: str, input: str | sympy.Symbol) -> sympy.Expr:
         """Return a transfer function's value at s = 0; ``zoo`` where there is a free integrator."""

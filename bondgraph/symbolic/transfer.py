@@ -13,7 +13,7 @@ from .tidy import tidy
 
 @dataclass(frozen=True)
 class TransferFunction:
-    """A transfer function in lowest terms, from one input to one output.
+    r"""A transfer function in lowest terms, from one input to one output.
 
     Attributes
     ----------
@@ -28,7 +28,7 @@ class TransferFunction:
     >>> lag.expression, lag.dcgain(), lag.poles(), lag.relative_degree
     (1/(b*s + k), 1/k, {-k/b: 1}, 1)
     >>> print(lag.to_latex())
-    G_{x,F}\\left(s\\right) = \\frac{1}{b \\, s + k}
+    G_{x,F}\left(s\right) = \frac{1}{b \, s + k}
     """
 
     output: str

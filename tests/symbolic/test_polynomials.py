@@ -70,7 +70,9 @@ def test_what_is_not_finite_is_refused():
 
 MATRICES = st.integers(0, 4).flatmap(
     lambda n: st.lists(
-        st.lists(st.sampled_from([0, 0, 1, -2, 3, r, -s, r + s, r * t - 1]), min_size=n, max_size=n),
+        st.lists(
+            st.sampled_from([0, 0, 1, -2, 3, r, -s, r + s, r * t - 1]), min_size=n, max_size=n
+        ),
         min_size=n,
         max_size=n,
     )

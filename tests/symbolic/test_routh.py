@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 
 import numpy as np
@@ -79,7 +80,9 @@ class TestModels:
         at = {"mass.p": 0}
         found = symbolic_system(graph, at, modes={"contact": "slip+"}).routh_hurwitz()
         assert found.conditions == (c + slope,)
-        assert found.holds({"slope": -0.09, "c": 0.1}) and not found.holds({"slope": -0.1, "c": 0.1})
+        assert found.holds({"slope": -0.09, "c": 0.1}) and not found.holds(
+            {"slope": -0.1, "c": 0.1}
+        )
 
     def test_brake_of_the_frame(self):
         graph = models.frame_brake.graph()
@@ -142,7 +145,7 @@ class TestAssumptions:
     def test_values_must_be_admissible(self):
         b, k = sympy.Symbol("b", real=True), positive("k")
         found = routh_hurwitz((1, b, k))
-        with pytest.raises(ParameterError, match="k.*positive"):
+        with pytest.raises(ParameterError, match=r"k.*positive"):
             found.holds({"b": 1, "k": -1})
         with pytest.raises(ParameterError, match="a value for b"):
             found.holds({"k": 1})
@@ -166,7 +169,11 @@ def test_numbers_agree_with_roots(numbers):
         assert any(real_parts > 0)
 
 
-@given(st.integers(1, 6).flatmap(lambda n: st.lists(st.integers(1, 12), min_size=n + 1, max_size=n + 1)))
+@given(
+    st.integers(1, 6).flatmap(
+        lambda n: st.lists(st.integers(1, 12), min_size=n + 1, max_size=n + 1)
+    )
+)
 def test_general_conditions_agree_with_roots(numbers):
     """Positive coefficients: the signs of the determinants alone decide."""
     real_parts = np.roots(numbers).real
@@ -179,7 +186,9 @@ def test_general_conditions_agree_with_roots(numbers):
 ROOTS = st.lists(
     st.one_of(
         st.tuples(st.integers(1, 4)).map(lambda r: [1, r[0]]),
-        st.tuples(st.integers(1, 4), st.integers(1, 4)).map(lambda r: [1, 2 * r[0], r[0] ** 2 + r[1] ** 2]),
+        st.tuples(st.integers(1, 4), st.integers(1, 4)).map(
+            lambda r: [1, 2 * r[0], r[0] ** 2 + r[1] ** 2]
+        ),
     ),
     min_size=1,
     max_size=3,
@@ -189,7 +198,13 @@ ROOTS = st.lists(
 @given(ROOTS, st.sampled_from(["stable", "pair", "zero", "right", "saddle"]))
 def test_polynomials_made_from_roots(factors, extra):
     """On the axis nothing can be told by rounded roots: here they are exact."""
-    more = {"stable": [1], "pair": [1, 0, 4], "zero": [1, 0], "right": [1, -1], "saddle": [1, 0, -1]}
+    more = {
+        "stable": [1],
+        "pair": [1, 0, 4],
+        "zero": [1, 0],
+        "right": [1, -1],
+        "saddle": [1, 0, -1],
+    }
     numbers = [1]
     for factor in [*factors, more[extra]]:
         numbers = [int(item) for item in np.convolve(numbers, factor)]
@@ -207,5 +222,5 @@ def test_the_array_changes_sign_once_for_each_root_to_the_right(numbers):
     array = routh_hurwitz(numbers).array()
     assume(not array.breaks)
     signs = [math.copysign(1, row[0]) for row in array.rows]
-    changes = sum(a != b for a, b in zip(signs, signs[1:], strict=False))
+    changes = sum(a != b for a, b in itertools.pairwise(signs))
     assert changes == sum(real_parts > 0)

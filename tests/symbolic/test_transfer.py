@@ -48,7 +48,9 @@ def test_quarter_car():
 def test_quarter_car_against_control():
     graph = models.quarter_car.graph()
     numeric = linearize(graph)
-    values = {symbol: numeric.at.parameters[symbol.name] for symbol in symbolic_system(graph).parameters}
+    values = {
+        symbol: numeric.at.parameters[symbol.name] for symbol in symbolic_system(graph).parameters
+    }
     system = symbolic_system(graph)
     whole = control.ss2tf(control.ss(numeric.A, numeric.B, numeric.C, numeric.D))
     for place, name in enumerate(system.outputs):
@@ -159,8 +161,11 @@ def test_what_an_input_does_not_reach():
     system = symbolic_system(graph, outputs=["push.e", "mass.f"])
     assert system.transfer_function("push.e", "u").expression == 1
     quiet = assemble(
-        "quiet", Se("E", u) >> Zero("n") >> R("r", 1), One("v") >> (i := I("i", 1), R("b", 1)),
-        inputs=[u], outputs={"p": i.p},
+        "quiet",
+        Se("E", u) >> Zero("n") >> R("r", 1),
+        One("v") >> (i := I("i", 1), R("b", 1)),
+        inputs=[u],
+        outputs={"p": i.p},
     )
     found = transfer(quiet, "p")
     assert found.expression == 0 and found.dcgain() == 0
@@ -191,7 +196,7 @@ def test_matrix_and_dcgain():
 
 def test_unknown_names():
     system = symbolic_system(graphs.oscillator())
-    with pytest.raises(ParameterError, match="output 'y'.*known: x"):
+    with pytest.raises(ParameterError, match=r"output 'y'.*known: x"):
         system.transfer_function("y", "u")
     with pytest.raises(ParameterError, match="input 'w'"):
         system.transfer_function("x", "w")
