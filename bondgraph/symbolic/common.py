@@ -45,7 +45,14 @@ def lowest_terms(top: Poly, bottom: Poly) -> tuple[Poly, Poly]:
     if not top:
         return top, bottom.ring.one
     divisor = common_divisor(top, bottom)
-    return top.exquo(divisor), bottom.exquo(divisor)
+    return _over(top, divisor), _over(bottom, divisor)
+
+
+def _over(poly: Poly, divisor: Poly) -> Poly:
+    """Divide by what divides; a general division would go over all terms for each term."""
+    if len(divisor) == 1:
+        return poly.quo_term(next(divisor.iterterms()))
+    return poly.exquo(divisor)
 
 
 def common_divisor(first: Poly, second: Poly) -> Poly:

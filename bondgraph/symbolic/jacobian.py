@@ -60,14 +60,21 @@ def _slope(
         slope = slope.subs(at, simultaneous=True)
     if slope.has(sympy.Derivative, sympy.Subs, sympy.DiracDelta):
         raise SymbolicError(
-            f"{name} = {expression} has no derivative along {x}; use a smooth law, or its value in a mode"
+            f"{name} = {expression} has no derivative along {x}; use a smooth law, or its value in a mode",
+            elements=[_element(x)],
         )
     try:
         return tidy(slope)
     except SymbolicError:
         raise SymbolicError(
-            f"the derivative of {name} along {x} is not finite at the operating point; give another at={{...}}"
+            f"the derivative of {name} along {x} is not finite at the operating point; give another at={{...}}",
+            elements=[_element(x)],
         ) from None
+
+
+def _element(symbol: sympy.Symbol) -> str:
+    """Return the element that a port variable or state belongs to."""
+    return str(symbol.name).rpartition(".")[0] or str(symbol.name)
 
 
 def eliminated(
@@ -111,13 +118,15 @@ def inverse(g_z: sympy.Matrix, algebraic: Sequence[sympy.Symbol]) -> sympy.Matri
     if len(algebraic) > MAX_ALGEBRAIC:
         raise SymbolicError(
             f"{len(algebraic)} algebraic variables ({names}) are too many to be eliminated in symbols; "
-            f"{MAX_ALGEBRAIC} are the limit: break the loop with a storage"
+            f"{MAX_ALGEBRAIC} are the limit: break the loop with a storage",
+            elements=[_element(symbol) for symbol in algebraic],
         )
     if not algebraic:
         return g_z
     determinant = tidy(g_z.det(method="berkowitz"))
     if determinant == 0:
         raise SymbolicError(
-            f"the algebraic equations do not determine {names} at this point; give another at={{...}}"
+            f"the algebraic equations do not determine {names} at this point; give another at={{...}}",
+            elements=[_element(symbol) for symbol in algebraic],
         )
     return (g_z.adjugate() / determinant).applyfunc(tidy)

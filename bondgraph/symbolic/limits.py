@@ -18,9 +18,10 @@ MAX_PRODUCTS = 1_000_000
 MAX_PRODUCT = 20_000
 # Terms of one polynomial in a result; nobody reads more.
 MAX_TERMS = 4000
-# Up to this size sympy's factorisation and common divisors are quick.
+# Up to these sympy's factorisation and common divisors are quick; it may not end on random
+# polynomials that could hold ten times as many terms by their degrees (dense).
 FACTOR_TERMS = 40
-FACTOR_GENERATORS = 12
+FACTOR_DENSE = 200_000
 GCD_DENSE = 4000
 
 

@@ -112,6 +112,10 @@ class RouthHurwitz:
     def array(self) -> RouthArray:
         """Return Routh's array of the polynomial.
 
+        Returns
+        -------
+        RouthArray
+
         Raises
         ------
         SymbolicError
@@ -122,7 +126,13 @@ class RouthHurwitz:
         return array_of(space, split(whole), self.polynomial.names)
 
     def to_latex(self) -> str:
-        """Write the conditions as an ``align*`` environment."""
+        """Write the conditions as LaTeX, or what is known where there are none.
+
+        Returns
+        -------
+        str
+            An ``align*`` environment.
+        """
         return conditions_latex(self.conditions, self.status.value, self.polynomial.names)
 
     def _repr_latex_(self) -> str:

@@ -208,7 +208,18 @@ class SymbolicSystem:
         )
 
     def dcgain(self, output: str, input: str | sympy.Symbol) -> sympy.Expr:
-        """Return a transfer function's value at s = 0; ``zoo`` where there is a free integrator."""
+        """Return a transfer function's value at s = 0.
+
+        Parameters
+        ----------
+        output : str
+        input : str or Symbol
+
+        Returns
+        -------
+        Expr
+            ``zoo`` where there is a free integrator.
+        """
         return self.transfer_function(output, input).dcgain()
 
     @property
@@ -223,7 +234,13 @@ class SymbolicSystem:
         return latex_names(self._symbols())
 
     def to_latex(self) -> str:
-        """Write state equations, outputs and Jacobians as one ``align*`` environment."""
+        """Write state equations, outputs and Jacobians as LaTeX.
+
+        Returns
+        -------
+        str
+            One ``align*`` environment for amsmath or MathJax.
+        """
         names = self.names
         rows = [(latex_name(state.name, dots=1), rate) for state, rate in self.rates.items()]
         rows += [("0", residual) for residual in self.residuals]

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
+
 import sympy
 
 from .common import lowest_terms
-from .limits import FACTOR_GENERATORS, FACTOR_TERMS, SymbolicError
+from .limits import FACTOR_DENSE, FACTOR_TERMS, SymbolicError
 from .rational import Poly, Polynomials, polynomials_over, split_monomial
 
 
@@ -87,8 +89,8 @@ def factors(poly: Poly) -> list[tuple[Poly, int]]:
         found.insert(0, (ring(content), 1))
     if rest == 1:
         return found
-    used = sum(degree > 0 for degree in rest.degrees())
-    if len(rest) > FACTOR_TERMS or used > FACTOR_GENERATORS:
+    dense = math.prod(degree + 1 for degree in rest.degrees())
+    if len(rest) > FACTOR_TERMS or dense > FACTOR_DENSE:
         return [*found, (rest, 1)]
     number, split = rest.factor_list()
     signed = [(-item, power) if item.LC < 0 else (item, power) for item, power in split]

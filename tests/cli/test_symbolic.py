@@ -66,7 +66,7 @@ LARGE = """
 import sympy
 from bondgraph import C, One, R, Se, Zero, assemble
 
-def ladder(cells=12):
+def ladder(cells=10):
     parts, before = [], Se("supply", 1)
     for place in range(cells):
         one, zero = One(f"one{place}"), Zero(f"zero{place}")

@@ -124,6 +124,12 @@ def test_factors_multiply_back(seed):
     assert product == poly
 
 
+def test_large_polynomials_are_not_split_but_for_generators():
+    """By its degrees this one could hold 10^6 terms; sympy may search for its factors without end."""
+    whole = (r**99 + s**50) * (s**50 - t**99)
+    assert dict(factors(6 * r * whole)) == {ring(6): 1, r: 1, whole: 1}
+
+
 @given(st.integers(0, 10**6))
 def test_signs_hold_for_numbers(seed):
     """Generators are positive, nonnegative and of either sign."""
