@@ -14,8 +14,6 @@ from .dae import SmoothFunctions, polish
 Array = numpy.ndarray
 ROUNDS = 3
 CONVERGED = 1e-12
-# Beside the largest so far, a smallest singular value below this share says: singular.
-SINGULAR = 1e-3
 
 
 def polished(

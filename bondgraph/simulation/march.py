@@ -13,7 +13,7 @@ from collections.abc import Sequence
 import numpy
 
 from .dae import SmoothFunctions, solve_algebraic
-from .folds import SINGULAR, polished, turns
+from .folds import polished, turns
 from .outcome import Outcome
 from .pieces import Piece
 from .plugin import Failed, Plugin, Stretch
@@ -25,10 +25,14 @@ BLOCK = 100  # output times a call: the clock is looked at in between
 FEWEST = 4  # with less, a call for each output time is cheaper than another integrator
 PATTERNS = 64
 STEPS = 5000  # between two output times, before a stretch is halved
+STALL = 1e-11  # share of a run: where it takes more steps than STEPS, the run gets nowhere
 BOUND = 1e100
 CORRECTIONS = 5
 # Of the size first estimated: what stays below is rounding, and no measure of anything.
 LEAST = 1e-12
+# Beside the largest so far, a smallest singular value of the residuals' Jacobian below the first of
+# these shares explains why a run stops; one below the second stops it where steps get nowhere.
+SINGULAR, LOST = 1e-2, 1e-6
 
 
 class _Stopped(Exception):  # an answer within this module, not an error
@@ -80,7 +84,7 @@ class March:
         self._best = 0.0
         self._turned = False
         self._began = time.monotonic()
-        self.t = self._start = 0.0
+        self.t = self._start = self._stall = 0.0
         self.x, self.z, self.work = x, z, numpy.zeros(2)
         self.steps = 0
         self.rows: list[tuple[float, Array, Array, Array]] = []
@@ -95,6 +99,7 @@ class March:
             Output times, rising.
         """
         self.t = self._start = parts[0].start
+        self._stall = STALL * (parts[-1].end - self._start)
         try:
             for part in parts:
                 self._enter(part)
@@ -184,7 +189,8 @@ class March:
             except Failed as failure:
                 self.steps += failure.steps
                 step = (end - self.t) / (2 if failure.work else 4)
-                if step <= smallest or (failure.work and self._lost(part)):
+                stalled = failure.work and (step <= self._stall or self._lost(part))
+                if step <= smallest or stalled:
                     raise _Stopped(self._reason(part, step)) from None
                 continue
             self._arrive(end, got, z)
@@ -287,7 +293,7 @@ class March:
             return Outcome.SINGULAR
         return Outcome.STEP_UNDERFLOW
 
-    def _lost(self, part: Piece, share: float = SINGULAR**2) -> bool:
+    def _lost(self, part: Piece, share: float = LOST) -> bool:
         """Whether the residuals hardly determine the algebraic variables any more."""
         if not self._functions.nz:
             return False
