@@ -14,6 +14,8 @@ from .dae import SmoothFunctions, polish
 Array = numpy.ndarray
 ROUNDS = 3
 CONVERGED = 1e-12
+# Beside the best so far, a smallest singular value below this share explains why a run stops.
+SINGULAR = 1e-2
 
 
 def polished(
@@ -55,18 +57,82 @@ def polished(
     return z
 
 
-def turns(
-    functions: SmoothFunctions, t: Array, x: Array, u: Array, p: Array, z: Array
-) -> tuple[Array, Array]:
-    """Return the sign of the Jacobian's determinant, and the Jacobian, at each point.
+class Folds:
+    """Watch over the branch of the algebraic equations that a run is on.
 
-    Returns
-    -------
-    signs : (k,) array
-    matrices : (k, nz, nz) array
+    Parameters
+    ----------
+    functions : SmoothFunctions
+    p : (np,) array
+
+    Attributes
+    ----------
+    turned : bool
+        Whether a point beyond a fold was met.
     """
-    matrices = _at(functions, t, x, u, p, z)[1]
-    return numpy.linalg.slogdet(matrices)[0], matrices
+
+    def __init__(self, functions: SmoothFunctions, p: Array) -> None:
+        self.turned = False
+        self._functions, self._p = functions, p
+        self._sign = 0.0
+        self._rows = numpy.ones(functions.nz)
+        self._best = 0.0
+
+    def enter(self, t: float, x: Array, u: Array, z: Array, size: Array) -> None:
+        """Take the branch from a point; sizes are those of the algebraic variables."""
+        if self._functions.nz:
+            matrix = self._jacobian(t, x, u, z)
+            self._sign = float(numpy.linalg.slogdet(matrix)[0])
+            if not self._best:
+                self.weigh(t, x, u, z, size)
+            self._best = max(self._best, self._determined(matrix, size))
+
+    def weigh(self, t: float, x: Array, u: Array, z: Array, size: Array) -> None:
+        """Take from a point the scale of each residual and how well determined all are."""
+        if self._functions.nz:
+            matrix = self._jacobian(t, x, u, z)
+            largest = numpy.abs(matrix * size).max(axis=1)
+            self._rows = numpy.where(largest > 0, largest, 1.0)
+            self._best = self._determined(matrix, size)
+
+    def keeps(self, t: Array, x: Array, u: Array, z: Array, size: Array) -> bool:
+        """Whether points at k times, one a column, are all on the branch."""
+        if not self._functions.nz:
+            return True
+        matrices = _at(self._functions, t, x, u, self._p, z)[1]
+        signs = numpy.linalg.slogdet(matrices)[0]
+        if (signs * self._sign < 0).any():
+            self.turned = True
+            return False
+        self._sign = self._sign or float(signs[-1])
+        self._best = max(self._best, self._determined(matrices[-1], size))
+        return True
+
+    def near(
+        self, t: float, x: Array, u: Array, z: Array, size: Array, share: float = SINGULAR
+    ) -> bool:
+        """Whether the residuals hardly determine the algebraic variables at a point.
+
+        Parameters
+        ----------
+        t, x, u, z, size
+            The point, and the sizes of its algebraic variables.
+        share : float
+            Of how well they were determined at best.
+        """
+        if not self._functions.nz:
+            return False
+        return self._determined(self._jacobian(t, x, u, z), size) <= share * self._best
+
+    def _jacobian(self, t: float, x: Array, u: Array, z: Array) -> Array:
+        return self._functions.residual(t, x, z, u, self._p)[1].full()
+
+    def _determined(self, matrix: Array, size: Array) -> float:
+        """Return the smallest singular value of a Jacobian, in scaled rows and columns."""
+        scaled = matrix * size / self._rows[:, None]
+        if not numpy.isfinite(scaled).all():
+            return 0.0
+        return float(numpy.linalg.svd(scaled, compute_uv=False).min())
 
 
 def _at(

@@ -15,7 +15,7 @@ from .outcome import Outcome
 from .pieces import own_grid, pieces
 from .plugin import Plugin
 from .problem import InputTable, Options
-from .scales import typical
+from .scales import Sizes, typical
 
 Array = numpy.ndarray
 
@@ -112,9 +112,11 @@ def integrate_smooth(problem: SmoothProblem) -> SmoothSolution:
     times = own_grid(parts) if options.t_eval is None else options.t_eval
     start, end = problem.t_span
     plugin = Plugin(functions, problem.solver, options.rtol, float(options.atol), options.max_step)
-    sizes = typical(functions, _samples(problem), (problem.x0, problem.z0), p, end - start)
-    march = March(functions, plugin, p, problem.x0, problem.z0, sizes, options)
-    outcome = march.run(parts, times)
+    first = problem.x0, problem.z0
+    with numpy.errstate(all="ignore"):  # what is not finite ends in an outcome
+        sizes = Sizes(typical(functions, _samples(problem), first, p, end - start), first)
+        march = March(functions, plugin, p, *first, sizes, options)
+        outcome = march.run(parts, times)
     t, x, z, _ = zip(*march.rows, strict=True) if march.rows else ((), (), (), ())
     rows = numpy.array(z).reshape(len(t), functions.nz)
     z_end = _closed(problem, march)
