@@ -28,7 +28,6 @@ PATTERNS = 64
 STEPS = 5000  # between two output times, before a stretch is halved
 STALL = 1e-11  # share of a run: where it takes more steps than STEPS, the run gets nowhere
 BOUND = 1e100
-CORRECTIONS = 5
 # A run that gets nowhere stops where its residuals are as badly determined as this, beside the best.
 LOST = 1e-6
 
@@ -161,14 +160,14 @@ class March:
 
     def _reach(self, part: Piece, target: float) -> None:
         """Integrate to one time by as many stretches as it takes."""
-        step = length = target - self.t
+        step = target - self.t
         smallest = 16 * numpy.finfo(float).eps * max(abs(self.t), abs(target))
         while self.t < target:
             self._check()
             whole = step >= target - self.t
             end = target if whole else self.t + step
             try:
-                got, z = self._stretch(part, (1.0,), numpy.array([end]), cut=step < length)
+                got, z = self._stretch(part, (1.0,), numpy.array([end]))
             except Failed as failure:
                 self.steps += failure.steps
                 step = (end - self.t) / (2 if failure.work else 4)
@@ -183,25 +182,10 @@ class March:
                 step *= 2
 
     def _stretch(
-        self, part: Piece, pattern: tuple[float, ...], times: Array, *, cut: bool = False
+        self, part: Piece, pattern: tuple[float, ...], times: Array
     ) -> tuple[Stretch, Array]:
-        """Integrate over a stretch and check what came out, or raise Failed.
-
-        A stretch cut short after a failure does not tell the size of algebraic variables.
-        """
-        got = self._integrated(part, pattern, times)
-        for _ in range(CORRECTIONS):
-            if self._sizes.fit(got.x, got.z, cut=cut):
-                break
-            self.steps += got.steps
-            self._folds.weigh(*self._here(part))
-            got = self._integrated(part, pattern, times)
-        if numpy.abs(got.x).max(initial=0.0) > BOUND:
-            raise Failed(got.steps)
-        return got, self._consistent(part, times, got)
-
-    def _integrated(self, part: Piece, pattern: tuple[float, ...], times: Array) -> Stretch:
-        return self._plugin(
+        """Integrate over a stretch and check what came out, or raise Failed."""
+        got = self._plugin(
             pattern,
             (self.t, float(times[-1]) - self.t),
             self.x,
@@ -211,6 +195,9 @@ class March:
             (self._sizes.x, self._sizes.z),
             min(STEPS, max(self._options.max_steps - self.steps, 1)),
         )
+        if numpy.abs(got.x).max(initial=0.0) > BOUND:
+            raise Failed(got.steps)
+        return got, self._consistent(part, times, got)
 
     def _consistent(self, part: Piece, times: Array, got: Stretch) -> Array:
         if not self._functions.nz:

@@ -16,8 +16,8 @@ from .dae import SmoothFunctions
 
 Array = numpy.ndarray
 DECADES = 12
-# Of the size first estimated: what stays below is rounding, and no measure of anything.
-LEAST = 1e-12
+# Of a size: what was seen far below it says little, for it was measured by it.
+LEAST = 1e-6
 
 
 class Sizes:
@@ -40,48 +40,33 @@ class Sizes:
     --------
     >>> one = numpy.ones(1)
     >>> sizes = Sizes((1e9 * one, one[:0]), (one, one[:0]))
-    >>> sizes.fit(one[:, None], one[:0, None]), float(sizes.x[0])
-    (False, 1000.0)
+    >>> float(sizes.corrected()[0][0])
+    1000.0
     """
 
     def __init__(self, estimated: tuple[Array, Array], start: tuple[Array, Array]) -> None:
         self.x, self.z = estimated
-        self._least = LEAST * self.x, LEAST * self.z
         self._seen = numpy.abs(start[0]), numpy.abs(start[1])
 
-    def fit(self, x: Array, z: Array, *, cut: bool = False) -> bool:
-        """Say whether the sizes fit values that came out; where far too large, correct them.
-
-        Parameters
-        ----------
-        x : (n, k) array
-        z : (nz, k) array
-        cut : bool
-            Whether these come from a stretch that was cut short after a failure:
-            it does not tell the size of algebraic variables.
-        """
-        seen_x, seen_z = self._with(x, z)
-        new_x = _corrected(self.x, seen_x, self._least[0])
-        new_z = self.z if cut else _corrected(self.z, seen_z, self._least[1])
-        fits = numpy.array_equal(new_x, self.x) and numpy.array_equal(new_z, self.z)
-        self.x, self.z = new_x, new_z
-        return fits
-
     def saw(self, x: Array, z: Array) -> None:
-        """Take notice of values, each of shape (n, k), that the run has passed through."""
-        self._seen = self._with(x, z)
-        self.x, self.z = numpy.fmax(self.x, self._seen[0]), numpy.fmax(self.z, self._seen[1])
-
-    def _with(self, x: Array, z: Array) -> tuple[Array, Array]:
-        return (
+        """Take notice of values, of shape (n, k) and (nz, k), that the run has passed through."""
+        self._seen = (
             numpy.fmax(self._seen[0], numpy.abs(x).max(axis=1, initial=0.0)),
             numpy.fmax(self._seen[1], numpy.abs(z).max(axis=1, initial=0.0)),
         )
+        self.x, self.z = numpy.fmax(self.x, self._seen[0]), numpy.fmax(self.z, self._seen[1])
+
+    def corrected(self) -> tuple[Array, Array] | None:
+        """Return sizes nearer to what was seen, where some were far too large; else None."""
+        better = _nearer(self.x, self._seen[0]), _nearer(self.z, self._seen[1])
+        if numpy.array_equal(better[0], self.x) and numpy.array_equal(better[1], self.z):
+            return None
+        return better
 
 
-def _corrected(size: Array, seen: Array, least: Array) -> Array:
-    """Bring sizes that are far too large nearer to what was seen; a zero says nothing yet."""
-    low = numpy.fmax(numpy.fmax(seen, 1e-6 * size), least)
+def _nearer(size: Array, seen: Array) -> Array:
+    """Bring sizes down to what was seen; in steps, since it was seen by their measure."""
+    low = numpy.fmax(seen, LEAST * size)
     return numpy.where((size > 100 * low) & (seen > 0), low, size)
 
 
