@@ -37,12 +37,13 @@ def polished(
     (nz, k) array or None
         None where the values of some point do not lead to a solution.
     """
+    assert functions.step is not None
     z = z.copy()
+    everywhere = numpy.repeat(p[:, None], len(t), axis=1)
     for _ in range(ROUNDS):
-        left, matrices, _ = _at(functions, t, x, u, p, z)
         try:
-            step = numpy.linalg.solve(matrices, -left.T[:, :, None])[:, :, 0].T
-        except numpy.linalg.LinAlgError:
+            step = functions.step(t[None], x, z, u, everywhere).full()
+        except RuntimeError:  # singular
             break
         if not numpy.isfinite(step).all():
             break
@@ -95,17 +96,17 @@ class Folds:
             self._rows = numpy.where(largest > 0, largest, 1.0)
             self._best = self._determined(matrix, size)
 
-    def keeps(self, t: Array, x: Array, u: Array, z: Array, size: Array) -> bool:
-        """Whether points at k times, one a column, are all on the branch."""
+    def keeps(self, t: float, x: Array, u: Array, z: Array, size: Array) -> bool:
+        """Whether a point to which the run has come is on the branch."""
         if not self._functions.nz:
             return True
-        matrices = _at(self._functions, t, x, u, self._p, z)[1]
-        signs = numpy.linalg.slogdet(matrices)[0]
-        if (signs * self._sign < 0).any():
+        matrix = self._jacobian(t, x, u, z)
+        sign = float(numpy.linalg.slogdet(matrix)[0])
+        if sign * self._sign < 0:
             self.turned = True
             return False
-        self._sign = self._sign or float(signs[-1])
-        self._best = max(self._best, self._determined(matrices[-1], size))
+        self._sign = self._sign or sign
+        self._best = max(self._best, self._determined(matrix, size))
         return True
 
     def near(
@@ -133,12 +134,3 @@ class Folds:
         if not numpy.isfinite(scaled).all():
             return 0.0
         return float(numpy.linalg.svd(scaled, compute_uv=False).min())
-
-
-def _at(
-    functions: SmoothFunctions, t: Array, x: Array, u: Array, p: Array, z: Array
-) -> tuple[Array, Array, Array]:
-    k = len(t)
-    left, matrix, terms = functions.residual(t[None], x, z, u, numpy.repeat(p[:, None], k, axis=1))
-    stacked = matrix.full().reshape(functions.nz, k, functions.nz).transpose(1, 0, 2)
-    return left.full(), stacked, terms.full()

@@ -204,7 +204,8 @@ class March:
             return got.z
         u = part.u[:, None] + part.slope[:, None] * (times - part.start)
         z = polished(self._functions, times, got.x, u, self._p, got.z)
-        if z is None or not self._folds.keeps(times, got.x, u, z, self._sizes.z):
+        last = float(times[-1]), got.x[:, -1], u[:, -1]
+        if z is None or not self._folds.keeps(*last, z[:, -1], self._sizes.z):
             raise Failed(got.steps)
         return z
 
