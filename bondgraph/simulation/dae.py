@@ -41,6 +41,8 @@ class SmoothFunctions:
         in each (nz,).
     slopes : casadi.Function
         To dx/dt, residuals, and the Jacobians of both by x and by z.
+    step : casadi.Function, optional
+        To the Newton step of the algebraic variables (nz,); None where there are none.
     """
 
     n: int
@@ -51,6 +53,7 @@ class SmoothFunctions:
     rates: casadi.Function
     residual: casadi.Function
     slopes: casadi.Function
+    step: casadi.Function | None = None
 
 
 def smooth_functions(equations: Equations, parameters: Sequence[sympy.Symbol]) -> SmoothFunctions:
@@ -116,7 +119,16 @@ def smooth_functions(equations: Equations, parameters: Sequence[sympy.Symbol]) -
         rates=rates,
         residual=casadi.Function("residual", arguments, [alg, g_z, casadi.densify(terms)]),
         slopes=casadi.Function("slopes", arguments, [ode, alg, f_x, f_z, g_x, g_z]),
+        step=_newton_step(arguments, alg, z) if equations.algebraic else None,
     )
+
+
+def _newton_step(arguments: list[casadi.SX], alg: casadi.SX, z: casadi.SX) -> casadi.Function:
+    """Return a function to the Newton step, by sparse factors."""
+    parts = casadi.Function("parts", arguments, [alg, casadi.jacobian(alg, z)])
+    given = [casadi.MX.sym("given", *argument.shape) for argument in arguments]
+    left, matrix = parts(*given)
+    return casadi.Function("step", given, [-casadi.solve(matrix, left, "qr")])
 
 
 def solve_algebraic(

@@ -14,8 +14,8 @@ from .dae import SmoothFunctions, polish
 Array = numpy.ndarray
 ROUNDS = 3
 CONVERGED = 1e-12
-# Beside the largest so far, a smallest singular value below this share says: singular.
-SINGULAR = 1e-3
+# Beside the best so far, a smallest singular value below this share explains why a run stops.
+SINGULAR = 1e-2
 
 
 def polished(
@@ -37,12 +37,13 @@ def polished(
     (nz, k) array or None
         None where the values of some point do not lead to a solution.
     """
+    assert functions.step is not None
     z = z.copy()
+    everywhere = numpy.repeat(p[:, None], len(t), axis=1)
     for _ in range(ROUNDS):
-        left, matrices, _ = _at(functions, t, x, u, p, z)
         try:
-            step = numpy.linalg.solve(matrices, -left.T[:, :, None])[:, :, 0].T
-        except numpy.linalg.LinAlgError:
+            step = functions.step(t[None], x, z, u, everywhere).full()
+        except RuntimeError:  # singular
             break
         if not numpy.isfinite(step).all():
             break
@@ -57,24 +58,79 @@ def polished(
     return z
 
 
-def turns(
-    functions: SmoothFunctions, t: Array, x: Array, u: Array, p: Array, z: Array
-) -> tuple[Array, Array]:
-    """Return the sign of the Jacobian's determinant, and the Jacobian, at each point.
+class Folds:
+    """Watch over the branch of the algebraic equations that a run is on.
 
-    Returns
-    -------
-    signs : (k,) array
-    matrices : (k, nz, nz) array
+    Parameters
+    ----------
+    functions : SmoothFunctions
+    p : (np,) array
+
+    Attributes
+    ----------
+    turned : bool
+        Whether a point beyond a fold was met.
     """
-    matrices = _at(functions, t, x, u, p, z)[1]
-    return numpy.linalg.slogdet(matrices)[0], matrices
 
+    def __init__(self, functions: SmoothFunctions, p: Array) -> None:
+        self.turned = False
+        self._functions, self._p = functions, p
+        self._sign = 0.0
+        self._rows = numpy.ones(functions.nz)
+        self._best = 0.0
 
-def _at(
-    functions: SmoothFunctions, t: Array, x: Array, u: Array, p: Array, z: Array
-) -> tuple[Array, Array, Array]:
-    k = len(t)
-    left, matrix, terms = functions.residual(t[None], x, z, u, numpy.repeat(p[:, None], k, axis=1))
-    stacked = matrix.full().reshape(functions.nz, k, functions.nz).transpose(1, 0, 2)
-    return left.full(), stacked, terms.full()
+    def enter(self, t: float, x: Array, u: Array, z: Array, size: Array) -> None:
+        """Take the branch from a point; sizes are those of the algebraic variables."""
+        if self._functions.nz:
+            matrix = self._jacobian(t, x, u, z)
+            self._sign = float(numpy.linalg.slogdet(matrix)[0])
+            if not self._best:
+                self.weigh(t, x, u, z, size)
+            self._best = max(self._best, self._determined(matrix, size))
+
+    def weigh(self, t: float, x: Array, u: Array, z: Array, size: Array) -> None:
+        """Take from a point the scale of each residual and how well determined all are."""
+        if self._functions.nz:
+            matrix = self._jacobian(t, x, u, z)
+            largest = numpy.abs(matrix * size).max(axis=1)
+            self._rows = numpy.where(largest > 0, largest, 1.0)
+            self._best = self._determined(matrix, size)
+
+    def keeps(self, t: float, x: Array, u: Array, z: Array, size: Array) -> bool:
+        """Whether a point to which the run has come is on the branch."""
+        if not self._functions.nz:
+            return True
+        matrix = self._jacobian(t, x, u, z)
+        sign = float(numpy.linalg.slogdet(matrix)[0])
+        if sign * self._sign < 0:
+            self.turned = True
+            return False
+        self._sign = self._sign or sign
+        self._best = max(self._best, self._determined(matrix, size))
+        return True
+
+    def near(
+        self, t: float, x: Array, u: Array, z: Array, size: Array, share: float = SINGULAR
+    ) -> bool:
+        """Whether the residuals hardly determine the algebraic variables at a point.
+
+        Parameters
+        ----------
+        t, x, u, z, size
+            The point, and the sizes of its algebraic variables.
+        share : float
+            Of how well they were determined at best.
+        """
+        if not self._functions.nz:
+            return False
+        return self._determined(self._jacobian(t, x, u, z), size) <= share * self._best
+
+    def _jacobian(self, t: float, x: Array, u: Array, z: Array) -> Array:
+        return self._functions.residual(t, x, z, u, self._p)[1].full()
+
+    def _determined(self, matrix: Array, size: Array) -> float:
+        """Return the smallest singular value of a Jacobian, in scaled rows and columns."""
+        scaled = matrix * size / self._rows[:, None]
+        if not numpy.isfinite(scaled).all():
+            return 0.0
+        return float(numpy.linalg.svd(scaled, compute_uv=False).min())

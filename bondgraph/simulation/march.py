@@ -13,11 +13,12 @@ from collections.abc import Sequence
 import numpy
 
 from .dae import SmoothFunctions, solve_algebraic
-from .folds import SINGULAR, polished, turns
+from .folds import Folds, polished
 from .outcome import Outcome
 from .pieces import Piece
 from .plugin import Failed, Plugin, Stretch
 from .problem import Options
+from .scales import Sizes
 
 Array = numpy.ndarray
 
@@ -25,10 +26,10 @@ BLOCK = 100  # output times a call: the clock is looked at in between
 FEWEST = 4  # with less, a call for each output time is cheaper than another integrator
 PATTERNS = 64
 STEPS = 5000  # between two output times, before a stretch is halved
+STALL = 1e-11  # share of a run: where it takes more steps than STEPS, the run gets nowhere
 BOUND = 1e100
-CORRECTIONS = 5
-# Of the size first estimated: what stays below is rounding, and no measure of anything.
-LEAST = 1e-12
+# A run that gets nowhere stops where its residuals are as badly determined as this, beside the best.
+LOST = 1e-6
 
 
 class _Stopped(Exception):  # an answer within this module, not an error
@@ -47,8 +48,7 @@ class March:
     p : (np,) array
     x, z : (n,), (nz,) array
         Consistent values at the start.
-    sizes : ((n,) array, (nz,) array)
-        First estimate of how large both become.
+    sizes : Sizes
     options : Options
         For max_steps and time_budget.
 
@@ -68,19 +68,14 @@ class March:
         p: Array,
         x: Array,
         z: Array,
-        sizes: tuple[Array, Array],
+        sizes: Sizes,
         options: Options,
     ) -> None:
         self._functions, self._plugin, self._p, self._options = functions, plugin, p, options
         self._sizes = sizes
-        self._floors = LEAST * sizes[0], LEAST * sizes[1]
-        self._seen = numpy.abs(x), numpy.abs(z)
-        self._sign = 0.0
-        self._rows_scale = numpy.ones(functions.nz)
-        self._best = 0.0
-        self._turned = False
+        self._folds = Folds(functions, p)
         self._began = time.monotonic()
-        self.t = self._start = 0.0
+        self.t = self._start = self._stall = 0.0
         self.x, self.z, self.work = x, z, numpy.zeros(2)
         self.steps = 0
         self.rows: list[tuple[float, Array, Array, Array]] = []
@@ -95,6 +90,7 @@ class March:
             Output times, rising.
         """
         self.t = self._start = parts[0].start
+        self._stall = STALL * (parts[-1].end - self._start)
         try:
             for part in parts:
                 self._enter(part)
@@ -115,32 +111,23 @@ class March:
 
     def _enter(self, part: Piece) -> None:
         """Make the algebraic variables consistent with the inputs after a jump."""
-        if not self._functions.nz:
-            return
         if part.jumps and self.t > self._start:
             found = solve_algebraic(self._functions, self.t, self.x, part.u, self._p, self.z)
             if found is None:
                 raise _Stopped(Outcome.SINGULAR)
             self.z = found
-        signs, matrices = self._turns(part, numpy.array([self.t]), self.x, self.z)
-        self._sign = float(signs[0])
-        if not self._best:
-            self._weigh(part)
-        self._best = max(self._best, self._determined(matrices[0]))
+        self._folds.enter(*self._here(part))
 
-    def _weigh(self, part: Piece) -> None:
-        """Take the scale of each residual, and how well determined all are, from this point."""
-        if not self._functions.nz:
-            return
-        matrix = self._turns(part, numpy.array([self.t]), self.x, self.z)[1][0]
-        largest = numpy.abs(matrix * self._sizes[1]).max(axis=1)
-        self._rows_scale = numpy.where(largest > 0, largest, 1.0)
-        self._best = self._determined(matrix)
+    def _here(self, part: Piece) -> tuple[float, Array, Array, Array, Array]:
+        """Return the last good point, and the sizes of its algebraic variables."""
+        u = part.u + part.slope * (self.t - part.start)
+        return self.t, self.x, u, self.z, self._sizes.z
 
     def _through(self, part: Piece, inner: list[float]) -> None:
         """Pass through a piece and keep rows at the times inside it."""
         targets = [*inner, part.end]
         while targets:
+            self._check()
             block = targets[:BLOCK]
             if not self._at_once(part, block):
                 for target in block:
@@ -173,18 +160,21 @@ class March:
 
     def _reach(self, part: Piece, target: float) -> None:
         """Integrate to one time by as many stretches as it takes."""
-        step = length = target - self.t
+        step = target - self.t
         smallest = 16 * numpy.finfo(float).eps * max(abs(self.t), abs(target))
         while self.t < target:
             self._check()
             whole = step >= target - self.t
             end = target if whole else self.t + step
             try:
-                got, z = self._stretch(part, (1.0,), numpy.array([end]), cut=step < length)
+                got, z = self._stretch(part, (1.0,), numpy.array([end]))
             except Failed as failure:
                 self.steps += failure.steps
                 step = (end - self.t) / (2 if failure.work else 4)
-                if step <= smallest or (failure.work and self._lost(part)):
+                stalled = failure.work and (
+                    step <= self._stall or self._folds.near(*self._here(part), LOST)
+                )
+                if step <= smallest or stalled:
                     raise _Stopped(self._reason(part, step)) from None
                 continue
             self._arrive(end, got, z)
@@ -192,78 +182,38 @@ class March:
                 step *= 2
 
     def _stretch(
-        self, part: Piece, pattern: tuple[float, ...], times: Array, *, cut: bool = False
+        self, part: Piece, pattern: tuple[float, ...], times: Array
     ) -> tuple[Stretch, Array]:
-        """Integrate over a stretch and check what came out, or raise Failed.
-
-        A stretch cut short after a failure does not tell the size of algebraic variables.
-        """
-        got = self._integrated(part, pattern, times)
-        for _ in range(CORRECTIONS):
-            if self._fits(got, cut):
-                break
-            self.steps += got.steps
-            self._weigh(part)
-            got = self._integrated(part, pattern, times)
-        if numpy.abs(got.x).max(initial=0.0) > BOUND:
-            raise Failed(got.steps)
-        return got, self._consistent(part, times, got)
-
-    def _integrated(self, part: Piece, pattern: tuple[float, ...], times: Array) -> Stretch:
-        return self._plugin(
+        """Integrate over a stretch and check what came out, or raise Failed."""
+        got = self._plugin(
             pattern,
             (self.t, float(times[-1]) - self.t),
             self.x,
             self.z,
             (part.u + part.slope * (self.t - part.start), part.slope),
             self._p,
-            self._sizes,
+            (self._sizes.x, self._sizes.z),
             min(STEPS, max(self._options.max_steps - self.steps, 1)),
         )
+        if numpy.abs(got.x).max(initial=0.0) > BOUND:
+            raise Failed(got.steps)
+        return got, self._consistent(part, times, got)
 
     def _consistent(self, part: Piece, times: Array, got: Stretch) -> Array:
         if not self._functions.nz:
             return got.z
         u = part.u[:, None] + part.slope[:, None] * (times - part.start)
         z = polished(self._functions, times, got.x, u, self._p, got.z)
-        if z is None:
+        last = float(times[-1]), got.x[:, -1], u[:, -1]
+        if z is None or not self._folds.keeps(*last, z[:, -1], self._sizes.z):
             raise Failed(got.steps)
-        signs, matrices = self._turns(part, times, got.x, z)
-        if (signs * self._sign < 0).any():
-            self._turned = True
-            raise Failed(got.steps)
-        self._sign = self._sign or float(signs[-1])
-        self._best = max(self._best, self._determined(matrices[-1]))
         return z
-
-    def _fits(self, got: Stretch, cut: bool) -> bool:
-        """Whether the sizes estimated fit what came out so far; where not, correct them."""
-        fits = True
-        corrected = []
-        sides = zip(self._sizes, self._floors, self._seen, (got.x, got.z), strict=True)
-        for index, (size, floor, seen, values) in enumerate(sides):
-            largest = numpy.fmax(seen, numpy.abs(values).max(axis=1, initial=0.0))
-            low = numpy.fmax(numpy.fmax(largest, 1e-6 * size), floor)
-            wrong = (size > 100 * low) & (largest > 0)
-            if cut and index:
-                wrong[:] = False
-            fits = fits and not wrong.any()
-            corrected.append(numpy.where(wrong, low, size))
-        self._sizes = corrected[0], corrected[1]
-        return fits
 
     def _arrive(self, t: float, got: Stretch, z: Array) -> None:
         self.t, self.x, self.z = t, got.x[:, -1], z[:, -1]
         self.work = self.work + got.work[:, -1]
         self.steps += got.steps
-        self._seen = (
-            numpy.fmax(self._seen[0], numpy.abs(got.x).max(axis=1, initial=0.0)),
-            numpy.fmax(self._seen[1], numpy.abs(z).max(axis=1, initial=0.0)),
-        )
-        self._sizes = (
-            numpy.fmax(self._sizes[0], self._seen[0]),
-            numpy.fmax(self._sizes[1], self._seen[1]),
-        )
+        self._sizes.saw(got.x, z)
 
     def _check(self) -> None:
         if self.steps >= self._options.max_steps:
@@ -273,35 +223,14 @@ class March:
 
     def _reason(self, part: Piece, step: float) -> Outcome:
         """Tell why not even the shortest stretch can be integrated from here."""
-        u = part.u + part.slope * (self.t - part.start)
-        ahead, x = self.t, self.x
-        rates = self._functions.rates(self.t, self.x, self.z, u, self._p)[0].full().ravel()
-        if numpy.abs(self.x).max(initial=0.0) > BOUND**0.5:
+        t, x, u, z, _ = self._here(part)
+        if numpy.abs(x).max(initial=0.0) > BOUND**0.5:
             return Outcome.DIVERGED
-        for reach in step * 2.0 ** numpy.arange(8):
-            found = self._functions.rates(ahead, x, self.z, u, self._p)
+        rates = self._functions.rates(t, x, z, u, self._p)[0].full().ravel()
+        for reach in (0.0, *(step * 2.0 ** numpy.arange(8))):
+            found = self._functions.rates(t + reach, x + reach * rates, z, u, self._p)
             if not all(numpy.isfinite(value.full()).all() for value in found):
                 return Outcome.NON_FINITE
-            ahead, x = self.t + reach, self.x + reach * rates
-        if self._turned or self._lost(part, SINGULAR):
+        if self._folds.turned or self._folds.near(*self._here(part)):
             return Outcome.SINGULAR
         return Outcome.STEP_UNDERFLOW
-
-    def _lost(self, part: Piece, share: float = SINGULAR**2) -> bool:
-        """Whether the residuals hardly determine the algebraic variables any more."""
-        if not self._functions.nz:
-            return False
-        matrix = self._turns(part, numpy.array([self.t]), self.x, self.z)[1][0]
-        return self._determined(matrix) <= share * self._best
-
-    def _turns(self, part: Piece, times: Array, x: Array, z: Array) -> tuple[Array, Array]:
-        u = part.u[:, None] + part.slope[:, None] * (times - part.start)
-        shape = (-1, len(times))
-        return turns(self._functions, times, x.reshape(shape), u, self._p, z.reshape(shape))
-
-    def _determined(self, matrix: Array) -> float:
-        """Return how well the residuals determine the algebraic variables."""
-        scaled = matrix * self._sizes[1] / self._rows_scale[:, None]
-        if not numpy.isfinite(scaled).all():
-            return 0.0
-        return float(numpy.linalg.svd(scaled, compute_uv=False).min())

@@ -16,6 +16,58 @@ from .dae import SmoothFunctions
 
 Array = numpy.ndarray
 DECADES = 12
+# Of a size: what was seen far below it says little, for it was measured by it.
+LEAST = 1e-6
+
+
+class Sizes:
+    """Sizes of states and algebraic variables, kept in step with what comes out of a run.
+
+    Parameters
+    ----------
+    estimated : ((n,) array, (nz,) array)
+        See `typical`.
+    start : ((n,) array, (nz,) array)
+        Values at the start.
+
+    Attributes
+    ----------
+    x : (n,) array
+    z : (nz,) array
+        At least as large as all values so far.
+
+    Examples
+    --------
+    >>> one = numpy.ones(1)
+    >>> sizes = Sizes((1e9 * one, one[:0]), (one, one[:0]))
+    >>> float(sizes.corrected()[0][0])
+    1000.0
+    """
+
+    def __init__(self, estimated: tuple[Array, Array], start: tuple[Array, Array]) -> None:
+        self.x, self.z = estimated
+        self._seen = numpy.abs(start[0]), numpy.abs(start[1])
+
+    def saw(self, x: Array, z: Array) -> None:
+        """Take notice of values, of shape (n, k) and (nz, k), that the run has passed through."""
+        self._seen = (
+            numpy.fmax(self._seen[0], numpy.abs(x).max(axis=1, initial=0.0)),
+            numpy.fmax(self._seen[1], numpy.abs(z).max(axis=1, initial=0.0)),
+        )
+        self.x, self.z = numpy.fmax(self.x, self._seen[0]), numpy.fmax(self.z, self._seen[1])
+
+    def corrected(self) -> tuple[Array, Array] | None:
+        """Return sizes nearer to what was seen, where some were far too large; else None."""
+        better = _nearer(self.x, self._seen[0]), _nearer(self.z, self._seen[1])
+        if numpy.array_equal(better[0], self.x) and numpy.array_equal(better[1], self.z):
+            return None
+        return better
+
+
+def _nearer(size: Array, seen: Array) -> Array:
+    """Bring sizes down to what was seen; in steps, since it was seen by their measure."""
+    low = numpy.fmax(seen, LEAST * size)
+    return numpy.where((size > 100 * low) & (seen > 0), low, size)
 
 
 def typical(

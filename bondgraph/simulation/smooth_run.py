@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy
 
@@ -15,10 +16,12 @@ from .outcome import Outcome
 from .pieces import own_grid, pieces
 from .plugin import Plugin
 from .problem import InputTable, Options
-from .scales import typical
+from .scales import Sizes, typical
 
 Array = numpy.ndarray
 
+# So often a run is made, at most, where states stay far smaller than was estimated.
+RUNS = 4
 # Times at which sources are looked at for the size of what they drive.
 PROBES = 17
 
@@ -105,16 +108,32 @@ def integrate_smooth(problem: SmoothProblem) -> SmoothSolution:
     The run is cut where inputs jump or bend, so that no step crosses a knot; after a
     jump the algebraic variables are solved anew. States are kept on the branch of
     the algebraic equations on which they start: where it ends in a fold, so does the
-    run.
+    run. Where states turn out far smaller than the estimate by which their errors were
+    measured, the run is made again with sizes that fit.
     """
     functions, p, options = problem.functions, problem.parameters, problem.options
     parts = pieces(problem.inputs, problem.t_span)
     times = own_grid(parts) if options.t_eval is None else options.t_eval
     start, end = problem.t_span
     plugin = Plugin(functions, problem.solver, options.rtol, float(options.atol), options.max_step)
-    sizes = typical(functions, _samples(problem), (problem.x0, problem.z0), p, end - start)
-    march = March(functions, plugin, p, problem.x0, problem.z0, sizes, options)
-    outcome = march.run(parts, times)
+    first = problem.x0, problem.z0
+    began, spent = time.monotonic(), 0
+    with numpy.errstate(all="ignore"):  # what is not finite ends in an outcome
+        sizes = typical(functions, _samples(problem), first, p, end - start)
+        for _ in range(RUNS):
+            left = replace(
+                options,
+                max_steps=options.max_steps - spent,
+                time_budget=options.time_budget - (time.monotonic() - began),
+            )
+            found = Sizes(sizes, first)
+            march = March(functions, plugin, p, *first, found, left)
+            outcome = march.run(parts, times)
+            spent += march.steps
+            better = found.corrected()
+            if better is None or outcome in (Outcome.STEP_LIMIT, Outcome.TIME_BUDGET):
+                break
+            sizes = better[0], better[1] if outcome.ok else sizes[1]
     t, x, z, _ = zip(*march.rows, strict=True) if march.rows else ((), (), (), ())
     rows = numpy.array(z).reshape(len(t), functions.nz)
     z_end = _closed(problem, march)
@@ -130,7 +149,7 @@ def integrate_smooth(problem: SmoothProblem) -> SmoothSolution:
         z_end,
         float(march.work[0]),
         float(march.work[1]),
-        march.steps,
+        spent,
     )
 
 
@@ -141,7 +160,7 @@ def _samples(problem: SmoothProblem) -> list[tuple[float, Array]]:
     spread = start + (end - start) * numpy.modf(numpy.arange(PROBES) * 0.6180339887498949)[0]
     values = at(problem.inputs, spread)
     inside = problem.inputs.values
-    samples = [(float(time), values[:, index]) for index, time in enumerate(spread)]
+    samples = [(float(moment), values[:, index]) for index, moment in enumerate(spread)]
     for extreme in (inside.max(axis=0), inside.min(axis=0)):
         samples.append((start, extreme))
     return samples
