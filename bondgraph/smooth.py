@@ -16,11 +16,10 @@ import sympy
 from .codegen.program import Program, ProgramError
 from .codegen.to_casadi import to_casadi
 from .consistent import consistent
-from .elements import Friction
+from .elements import DryFriction, Switched
 from .equations import Equations
 from .errors import SteadyStateError
 from .graph import TIME, BondGraph
-from .modes import SLIP_BACKWARD, SLIP_FORWARD, STICK
 
 Vector = Sequence[float] | numpy.ndarray
 
@@ -30,33 +29,37 @@ ROUNDING = 1e-13
 
 @dataclass(frozen=True)
 class ContactValues:
-    """What one contact does at a point.
+    """What one switching element does at a point.
 
     Attributes
     ----------
-    slip, effort : float
-        Flow and effort of the contact.
-    limit : float
-        Largest effort while stuck.
+    element : Switched
+    flow, effort : float
+    margins : tuple of float
+        What has to be positive for each mode to last, ordered as ``element.modes``.
     """
 
-    slip: float
+    element: Switched
+    flow: float
     effort: float
-    limit: float
+    margins: tuple[float, ...]
 
     def better_mode(self, mode: str) -> str | None:
-        """Return the mode the contact would rather be in; None where it agrees.
+        """Return the mode the element would rather be in; None where it agrees.
 
         Examples
         --------
-        >>> ContactValues(slip=-0.1, effort=2.0, limit=3.0).better_mode("slip+")
+        >>> from bondgraph import Friction
+        >>> belt = Friction("belt", kinetic=lambda speed: 3)
+        >>> ContactValues(belt, -0.1, 2.0, (1.0, -0.1, 0.1)).better_mode("slip+")
         'stick'
         """
-        if mode == STICK:
-            if abs(self.effort) <= self.limit:
-                return None
-            return SLIP_FORWARD if self.effort > 0 else SLIP_BACKWARD
-        return None if self.slip * (1 if mode == SLIP_FORWARD else -1) > 0 else STICK
+        code = self.element.code(mode)
+        margin = self.margins[list(self.element.modes).index(mode)]
+        moving = isinstance(self.element, DryFriction) and code
+        if margin > 0 or (margin == 0 and not moving):
+            return None
+        return self.element.label(self.element.next_code(code, self.effort, self.flow))
 
 
 class Smooth:
@@ -106,9 +109,10 @@ class Smooth:
         self.order = len(equations.states)
         laws = {
             name: element
-            for name, element in graph.of(Friction)
-            if not isinstance(equations.graph.elements[name], Friction)
+            for name, element in graph.of(Switched)
+            if not isinstance(equations.graph.elements[name], Switched)
         }
+        self._laws = tuple(laws.values())
         self.contacts = tuple(laws)
         table = equations.graph.parameters
         derived = [
@@ -222,13 +226,19 @@ class Smooth:
         found = self._outputs(x, u, p).full().ravel()
         return dict(zip(self.equations.outputs, map(float, found), strict=True))
 
+    def element(self, name: str) -> Switched | None:
+        """Return a switching element by its qualified name."""
+        return dict(zip(self.contacts, self._laws, strict=True)).get(name)
+
     def contact_values(self, x: Vector, u: Vector, p: Vector) -> dict[str, ContactValues]:
-        """Return slip, effort and limit of each contact."""
-        found = self._contacts(x, u, p).full().reshape(-1, 3)
-        return {
-            name: ContactValues(*map(float, row))
-            for name, row in zip(self.contacts, found, strict=True)
-        }
+        """Return flow, effort and margins of each switching element."""
+        found = iter(self._contacts(x, u, p).full().ravel().tolist())
+        values = {}
+        for name, element in zip(self.contacts, self._laws, strict=True):
+            flow, effort = next(found), next(found)
+            margins = tuple(next(found) for _ in element.modes)
+            values[name] = ContactValues(element, flow, effort, margins)
+        return values
 
     def matrices(self, x: Vector, u: Vector, p: Vector) -> tuple[numpy.ndarray, ...]:
         """Return A, B, C and D; algebraic variables follow states and inputs.
@@ -319,9 +329,9 @@ def _ordered(derived: list[sympy.Symbol], table: Mapping[sympy.Symbol, Any]) -> 
 
 
 def _contact_rows(
-    equations: Equations, graph: BondGraph, laws: Mapping[str, Friction]
+    equations: Equations, graph: BondGraph, laws: Mapping[str, Switched]
 ) -> list[sympy.Expr]:
-    """Write slip, effort and breakaway of each contact in the mode's own variables."""
+    """Write flow, effort and margins of each switching element in the mode's own variables."""
     variables = {
         symbol: equations.ports[f"{name}.{key}"]
         for name, element in graph.elements.items()
@@ -331,5 +341,5 @@ def _contact_rows(
     rows: list[sympy.Expr] = []
     for name, element in laws.items():
         rows += [equations.ports[f"{name}.f"], equations.ports[f"{name}.e"]]
-        rows.append(element.breakaway.xreplace(variables))
+        rows += [element.margin(code).xreplace(variables) for code in element.modes.values()]
     return rows

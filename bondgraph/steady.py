@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
@@ -9,9 +10,9 @@ from typing import Any
 import numpy
 import sympy
 
-from .elements import C, Storage
+from .elements import C, EndStop, Storage
 from .equations import Equations, derive
-from .errors import SimulationError, SteadyStateError
+from .errors import BondGraphError, SimulationError, SteadyStateError
 from .graph import BondGraph
 from .modes import CODES, SLIP_BACKWARD, SLIP_FORWARD, STICK, contacts, in_mode
 from .parameters import unknown_name
@@ -20,6 +21,7 @@ from .values import algebraic_guess, algebraic_names, initial_values, parameter_
 
 MAX_ITERATIONS = 100
 MAX_MODE_CHANGES = 20
+MAX_FIRST_MODES = 256
 # The search that Newton falls back on: steps in time, each longer than the one before.
 RELAXATIONS = 300
 GROWTH = 1.2
@@ -201,6 +203,8 @@ def first_modes(
     if not names:
         return {}
     equations = derive(graph)
+    if equations.switches:
+        return _first_possible(graph, fixed)
     values = parameter_values(equations, parameters)
     x = initial_values(equations, values, start)
     numbers = {state.name: value for state, value in zip(equations.states, x, strict=True)} | values
@@ -213,13 +217,32 @@ def first_modes(
     resting = [name for name, slip in slips.items() if slip == 0]
     if resting:
         numbers |= {f"{name}.direction": float(CODES[mode]) for name, mode in found.items()}
-        held = derive(graph, stuck=resting)
-        for contact in held.contacts:
-            if contact.name in resting:
-                effort = _at(held, contact.effort, numbers)
-                at_rest = ContactValues(0.0, effort, _at(held, contact.breakaway, numbers))
-                found[contact.name] = at_rest.better_mode(STICK) or STICK
+        held = derive(in_mode(graph, dict.fromkeys(resting, STICK)))
+        limits = {contact.name: contact.breakaway for contact in equations.contacts}
+        for name in resting:
+            effort = _at(held, held.ports[f"{name}.e"], numbers)
+            margin = _at(held, limits[name], numbers) - abs(effort)
+            at_rest = ContactValues(graph[name], 0.0, effort, (margin, 0.0, 0.0))
+            found[name] = at_rest.better_mode(STICK) or STICK
     return found
+
+
+def _first_possible(graph: BondGraph, fixed: Mapping[str, str]) -> dict[str, str]:
+    """Return modes whose equations exist, near those in which nothing is held."""
+    free = {name: list(graph[name].modes)[::-1] for name in contacts(graph) if name not in fixed}
+    choices = itertools.islice(itertools.product(*free.values()), MAX_FIRST_MODES)
+    refusal: BondGraphError | None = None
+    for labels in choices:
+        modes = dict(zip(free, labels, strict=True))
+        try:
+            derive(in_mode(graph, {**modes, **fixed}))
+        except BondGraphError as error:
+            refusal = error
+            continue
+        return modes
+    raise SteadyStateError(
+        f"model {graph.name!r} can be in no set of modes: {refusal}", elements=list(free)
+    )
 
 
 def _at(equations: Equations, expression: sympy.Expr, numbers: Mapping[str, float]) -> float:
@@ -295,6 +318,7 @@ def _solve(
     start = smooth.consistent(states, u, p, z)
     if start is None:  # none at these states; there may be at others
         start = numpy.array([*states, *z])
+    start = _against_stops(smooth, modes, start, u, p)
     try:
         x, isolated = solve_rates(smooth, start, u, p)
     except SteadyStateError:
@@ -305,6 +329,38 @@ def _solve(
         for name, found in smooth.contact_values(x, u, p).items()
     }
     return point, {name: mode for name, mode in better.items() if mode is not None}
+
+
+def _against_stops(
+    smooth: Smooth, modes: Mapping[str, str], start: numpy.ndarray, u: Any, p: Any
+) -> numpy.ndarray:
+    """Move states so that end stops in contact have no gap; no rate would tell."""
+    names = [
+        n
+        for n, mode in modes.items()
+        if isinstance(smooth.element(n), EndStop) and mode == "contact"
+    ]
+    x = start
+
+    def gaps(x: numpy.ndarray) -> numpy.ndarray:
+        values = smooth.contact_values(x, u, p)
+        return numpy.array(
+            [values[n].margins[list(values[n].element.modes).index("free")] for n in names]
+        )
+
+    for _ in range(MAX_ITERATIONS if names else 0):
+        open_gaps = gaps(x)
+        if not open_gaps.any() or not numpy.isfinite(open_gaps).all():
+            break
+        sizes = 1e-6 * numpy.maximum(numpy.abs(x), 1e-3)
+        columns = [
+            (gaps(x + h * e) - open_gaps) / h for h, e in zip(sizes, numpy.eye(len(x)), strict=True)
+        ]
+        step = numpy.linalg.lstsq(numpy.array(columns).T, -open_gaps, rcond=1e-9)[0]
+        x = x + step
+        if numpy.abs(step).max() <= 1e-14 * numpy.abs(x).max(initial=0.0):
+            break
+    return x
 
 
 def solve_rates(smooth: Smooth, start: Any, u: Any, p: Any) -> tuple[numpy.ndarray, bool]:

@@ -96,6 +96,12 @@ class DryFriction(Switched):
             return self._twin(Se(self.name, law + imposed))
         return self._twin(R(self.name, effort=lambda flow: law.xreplace({self.f: flow})))
 
+    def next_code(self, code: int, effort: float, flow: float) -> int:
+        """Return the mode that follows where a margin is used up: overloaded it slips, at rest it sticks."""
+        if code:
+            return 0
+        return 1 if effort > 0 else -1
+
     def margin(self, code: int) -> sympy.Expr:
         """Return what stays positive while a mode lasts."""
         return code * self.f if code else self.breakaway - sympy.Abs(self.e)

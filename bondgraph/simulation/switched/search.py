@@ -228,7 +228,7 @@ class ModeSearch:
         """Return the code that a switch changes to."""
         element = self.model.elements[j]
         if not isinstance(element, DryFriction):
-            return 1 - code
+            return element.next_code(code, value, value)
         if impulse:
             return 1 if impulse > 0 else -1
         if code == 0 or abs(value) > noise:
