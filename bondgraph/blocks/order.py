@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-import networkx
 import sympy
 
 from ..errors import AlgebraicLoopError
+from .components import components
 from .elimination import Affine, Elimination, Names, tidy
 from .tearing import around, in_order, tear
 
@@ -104,13 +104,8 @@ def order_and_solve(
         )
         for variable in variables
     ]
-    network = networkx.DiGraph()
-    network.add_nodes_from(range(len(variables)))
-    network.add_edges_from((need, index) for index, wants in enumerate(needs) for need in wants)
-    condensed = networkx.condensation(network)
     state = _Solver(explicit, implicit)
-    for block in networkx.topological_sort(condensed):
-        members = sorted(condensed.nodes[block]["members"])
+    for members in components(needs):
         first = variables[members[0]]
         if len(members) == 1 and first in explicit and members[0] not in needs[members[0]]:
             state.assignments.append((first, explicit[first]))

@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 import sympy
 
 from ..errors import LawError
-from ..laws import affine_inverse
+from ..laws import affine_inverse, times
 from .base import OnePort, variable
 
 LARGEST_EXPANSION = 4  # of a power of a sum, when a law is integrated
@@ -56,12 +56,16 @@ class Storage(OnePort):
                     f"{self.kind} {self.name!r}: {key} is zero; leave the element out",
                     elements=[self.name],
                 )
-            self._set(law=state / value, inverse=conjugate * value, energy=state**2 / (2 * value))
+            self._set(
+                law=times(1 / value, state),
+                inverse=times(value, conjugate),
+                energy=times(1 / (2 * value), state**2),
+            )
         elif form == "stiff":
             self._set(
-                law=state * value,
-                inverse=None if value == 0 else conjugate / value,
-                energy=value * state**2 / 2,
+                law=times(value, state),
+                inverse=None if value == 0 else times(1 / value, conjugate),
+                energy=times(value / 2, state**2) if value.is_Rational else value * state**2 / 2,
             )
         elif form == "law":
             self._set(

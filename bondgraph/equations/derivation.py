@@ -13,6 +13,7 @@ from ..causality import CausalGraph, assign_causality
 from ..elements import TF, C, Element, Friction, One, R, Se, Sf, Storage, TwoPort, Zero
 from ..errors import BondGraphError, CausalConflictError, LawError
 from ..graph import BondGraph
+from ..laws import renamed
 from ..rates import Rates
 from .nets import Nets
 from .value import Contact, Equations, assert_closed
@@ -110,6 +111,7 @@ class _Derivation:
         self.causal = causal
         self.graph = causal.graph
         self.stuck = stuck
+        self.integral = frozenset(causal.integral)
         self.nets = Nets(self.graph)
         self.explicit: dict[sympy.Symbol, sympy.Expr] = {}
         self.implicit: dict[sympy.Symbol, sympy.Expr] = {}
@@ -127,7 +129,11 @@ class _Derivation:
         self.answers = {
             self._conjugate(element)
             for name, element in self.graph.of(Storage)
-            if name in causal.derivative
+            if name not in self.integral
+        }
+        self.energies = {
+            name: None if element.energy is None else self._local(element.energy)
+            for name, element in self.graph.of(Storage)
         }
         self.signals: dict[sympy.Symbol, sympy.Symbol] = {}
 
@@ -170,7 +176,7 @@ class _Derivation:
             contacts=tuple(self.contacts),
             supplied=self.supplied,
             dissipated=self.dissipated,
-            energies=self._energies(),
+            energies=self.energies,
             dependent=self.dependent,
             loops=ordered.loops,
             causal=self.causal,
@@ -223,7 +229,7 @@ class _Derivation:
         return 1 if self.graph.bonds[bond].head == name else -1
 
     def _local(self, expression: sympy.Expr) -> sympy.Expr:
-        return expression.xreplace(self.names)
+        return renamed(expression, self.names)
 
     def _conjugate(self, storage: Storage) -> sympy.Symbol:
         """Return the variable that is the rate of a storage's state."""
@@ -281,14 +287,10 @@ class _Derivation:
             bond for bond in bonds if (self.effort_out[bond] == name) == isinstance(junction, One)
         )
         sign = self._towards(name, strong)
-        total = sympy.Add(
-            *(
-                -sign * self._towards(name, bond) * self.nets.symbol(summed, bond)
-                for bond in bonds
-                if bond != strong
-            )
+        terms = [(bond, self.nets.symbol(summed, bond)) for bond in bonds if bond != strong]
+        self.explicit[self.nets.symbol(summed, strong)] = sympy.Add(
+            *(-term if self._towards(name, bond) == sign else term for bond, term in terms)
         )
-        self.explicit[self.nets.symbol(summed, strong)] = total
 
     def _write_two_port(self, name: str, element: TwoPort) -> None:
         into, out = self._sides(name)
@@ -313,7 +315,7 @@ class _Derivation:
     def _write_storage(self, name: str, element: Storage) -> None:
         state = self.names[element.state]
         self.storage[name] = state
-        if name in self.causal.integral:
+        if name in self.integral:
             self.explicit[self.names[element.coenergy]] = self._local(element.law)
             self.states[state] = self._conjugate(element)
             self.initial.append(self._local(element.initial))
@@ -413,11 +415,11 @@ class _Derivation:
 
     def _modulated_storages(self, rates: Rates) -> None:
         """Count the work that a modulation does on a storage, at constant state, as supplied."""
-        for name, element in self.graph.of(Storage):
-            if element.energy is None:
+        constant = self.graph.parameters.keys()
+        for name, energy in self.energies.items():
+            if energy is None:
                 continue
-            energy = self._local(element.energy)
-            outside = energy.free_symbols - {self.storage[name]} - set(self.graph.parameters)
+            outside = energy.free_symbols - {self.storage[name]} - constant
             work = sympy.Add(
                 *(
                     sympy.diff(energy, symbol) * rates.full.of(symbol)
@@ -435,12 +437,6 @@ class _Derivation:
             if key != "speed"
         }
 
-    def _energies(self) -> dict[str, sympy.Expr | None]:
-        return {
-            name: None if element.energy is None else self._local(element.energy)
-            for name, element in self.graph.of(Storage)
-        }
-
     def _used_parameters(
         self,
         assignments: Iterable[tuple[sympy.Symbol, sympy.Expr]],
@@ -450,7 +446,7 @@ class _Derivation:
         used: set[sympy.Basic] = set()
         for _, expression in assignments:
             used |= expression.free_symbols
-        energies = [energy for energy in self._energies().values() if energy is not None]
+        energies = [energy for energy in self.energies.values() if energy is not None]
         breakaways = [contact.breakaway for contact in self.contacts]
         for expression in (*residuals, *outputs, *self.initial, *energies, *breakaways):
             used |= expression.free_symbols
