@@ -6,7 +6,6 @@ changes the physics is a required keyword: nothing here has a hidden default.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Any
 
 import sympy
@@ -59,57 +58,6 @@ def exact(value: Any) -> sympy.Expr:
         raise LawError(f"{value!r} is not real; efforts, flows and parameters are real")
     floats = expression.atoms(sympy.Float)
     return expression.xreplace({number: sympy.Rational(repr(float(number))) for number in floats})
-
-
-def times(factor: sympy.Expr, quantity: sympy.Expr) -> sympy.Expr:
-    """Multiply; at once where a number meets a symbol or its power, as in most laws.
-
-    Such a product is already in sympy's normal form, which need not be searched for.
-
-    Parameters
-    ----------
-    factor, quantity : Expr
-
-    Returns
-    -------
-    Expr
-
-    Examples
-    --------
-    >>> q = sympy.Symbol("q")
-    >>> times(sympy.Rational(1, 2), q) == q / 2
-    True
-    """
-    plain = quantity.is_Symbol or (quantity.is_Pow and quantity.base.is_Symbol)
-    if plain and factor.is_Rational and factor is not sympy.S.One and factor is not sympy.S.Zero:
-        return sympy.Mul(factor, quantity, evaluate=False)
-    return factor * quantity
-
-
-def renamed(law: sympy.Expr, names: Mapping[sympy.Basic, sympy.Expr]) -> sympy.Expr:
-    """Exchange symbols, quickly where the law is a number times a symbol or its power.
-
-    Parameters
-    ----------
-    law : Expr
-    names : mapping of Symbol to Expr
-
-    Returns
-    -------
-    Expr
-
-    Examples
-    --------
-    >>> p, q = sympy.symbols("p q")
-    >>> renamed(q**2 / 2, {q: p})
-    p**2/2
-    """
-    if law.is_Symbol:
-        return names.get(law, law)
-    if law.is_Mul and len(law.args) == 2 and law.args[0].is_Rational:
-        factor, quantity = law.args
-        return times(factor, renamed(quantity, names))
-    return law.xreplace(names)
 
 
 def stribeck(slip: Any, *, normal: Any, mu_s: Any, mu_k: Any, v_s: Any) -> sympy.Expr:

@@ -7,7 +7,7 @@ import pytest
 import sympy
 
 from bondgraph.errors import LawError
-from bondgraph.laws import exact, regularised, renamed, stribeck, times
+from bondgraph.laws import exact, regularised, stribeck
 
 v, s = sympy.symbols("v s", real=True)
 
@@ -55,23 +55,3 @@ def test_regularised_is_odd_and_saturates():
     assert smooth.subs(v, 0) == 0
     assert sympy.simplify(smooth + smooth.subs(v, -v)) == 0
     assert float(smooth.subs(v, 1)) == pytest.approx(7)
-
-
-QUANTITIES = [s, s**2, 1 / s, s + v, s * v, 2 * s, sympy.sin(s), sympy.S(3), sympy.S.Zero]
-
-
-@pytest.mark.parametrize(
-    "factor", [0, 1, -1, 2, sympy.Rational(-2, 3), sympy.pi, v, v + 1], ids=str
-)
-@pytest.mark.parametrize("quantity", QUANTITIES, ids=str)
-def test_products_are_those_of_sympy(factor, quantity):
-    factor = sympy.sympify(factor)
-    product = times(factor, quantity)
-    assert product == factor * quantity
-    assert product.args == (factor * quantity).args
-
-
-@pytest.mark.parametrize("name", [v, -v, v**2, 2 * v, v + 1, sympy.S(3)], ids=str)
-@pytest.mark.parametrize("law", [*QUANTITIES, s / 2, -(s**2), s**2 * v / 3, v], ids=str)
-def test_renaming_is_replacing(law, name):
-    assert renamed(law, {s: name}) == law.xreplace({s: name})

@@ -6,6 +6,7 @@ from collections import deque
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
+from ..collector import held_back
 from ..elements import GY, TF, C, Element, Friction, I, Junction, One, R, Se, Sf, Storage
 from ..errors import CausalConflictError
 from ..graph import BondGraph, GraphBond, check_structure
@@ -18,6 +19,7 @@ PREFERRED: dict[type[Element], bool] = {Se: True, Sf: False, C: True, I: False, 
 MAX_CAUSES = 4
 
 
+@held_back()
 def assign_causality(graph: BondGraph, dependent: Collection[str] = ()) -> CausalGraph:
     """Assign a causal stroke to every bond.
 

@@ -9,7 +9,8 @@ from typing import Any, ClassVar
 import sympy
 
 from ..errors import LawError
-from ..laws import affine_inverse, regularised, times
+from ..laws import affine_inverse, regularised
+from ..terms import product
 from .base import OnePort
 
 
@@ -62,7 +63,8 @@ class R(OnePort):
         if key == "resistance":
             value = self._apply(key, law, self.f)
             self._set(
-                effort=times(value, self.f), flow=None if value == 0 else times(1 / value, self.e)
+                effort=product(value, self.f),
+                flow=None if value == 0 else product(1 / value, self.e),
             )
         elif key == "effort":
             self._set(effort=self._apply(key, law, self.f), flow=None)

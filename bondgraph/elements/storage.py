@@ -9,7 +9,8 @@ from typing import Any, ClassVar
 import sympy
 
 from ..errors import LawError
-from ..laws import affine_inverse, times
+from ..laws import affine_inverse
+from ..terms import product
 from .base import OnePort, variable
 
 LARGEST_EXPANSION = 4  # of a power of a sum, when a law is integrated
@@ -57,15 +58,15 @@ class Storage(OnePort):
                     elements=[self.name],
                 )
             self._set(
-                law=times(1 / value, state),
-                inverse=times(value, conjugate),
-                energy=times(1 / (2 * value), state**2),
+                law=product(1 / value, state),
+                inverse=product(value, conjugate),
+                energy=product(1 / (2 * value), state**2),
             )
         elif form == "stiff":
             self._set(
-                law=times(value, state),
-                inverse=None if value == 0 else times(1 / value, conjugate),
-                energy=times(value / 2, state**2) if value.is_Rational else value * state**2 / 2,
+                law=product(value, state),
+                inverse=None if value == 0 else product(1 / value, conjugate),
+                energy=product(value / 2, state**2) if value.is_Rational else value * state**2 / 2,
             )
         elif form == "law":
             self._set(

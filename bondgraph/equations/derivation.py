@@ -10,11 +10,12 @@ import sympy
 from ..blocks import SingularLoopError, order_and_solve
 from ..blocks.residues import PRIME, Residues
 from ..causality import CausalGraph, assign_causality
+from ..collector import held_back
 from ..elements import TF, C, Element, Friction, One, R, Se, Sf, Storage, TwoPort, Zero
 from ..errors import BondGraphError, CausalConflictError, LawError
 from ..graph import BondGraph
-from ..laws import renamed
 from ..rates import Rates
+from ..terms import product, renamed, signed_sum
 from .nets import Nets
 from .value import Contact, Equations, assert_closed
 
@@ -22,6 +23,7 @@ from .value import Contact, Equations, assert_closed
 MAX_DEPENDENT_CHOICES = 60
 
 
+@held_back()
 def derive(graph: BondGraph | CausalGraph, stuck: Collection[str] = ()) -> Equations:
     """Derive the state equations.
 
@@ -287,10 +289,12 @@ class _Derivation:
             bond for bond in bonds if (self.effort_out[bond] == name) == isinstance(junction, One)
         )
         sign = self._towards(name, strong)
-        terms = [(bond, self.nets.symbol(summed, bond)) for bond in bonds if bond != strong]
-        self.explicit[self.nets.symbol(summed, strong)] = sympy.Add(
-            *(-term if self._towards(name, bond) == sign else term for bond, term in terms)
-        )
+        plus, minus = [], []
+        for bond in bonds:
+            if bond != strong:
+                side = minus if self._towards(name, bond) == sign else plus
+                side.append(self.nets.symbol(summed, bond))
+        self.explicit[self.nets.symbol(summed, strong)] = signed_sum(plus, minus)
 
     def _write_two_port(self, name: str, element: TwoPort) -> None:
         into, out = self._sides(name)
@@ -336,7 +340,7 @@ class _Derivation:
     def _write_dissipator(self, name: str, element: R | Friction) -> None:
         effort, flow = self.names[element.e], self.names[element.f]
         gives_effort = self.effort_out[self.nets.at[name][0]] == name
-        self.dissipated[name] = effort * flow
+        self.dissipated[name] = product(effort, flow)
         if isinstance(element, Friction):
             if not gives_effort:
                 raise LawError(
@@ -443,6 +447,8 @@ class _Derivation:
         residuals: Iterable[sympy.Expr],
         outputs: Iterable[sympy.Expr],
     ) -> tuple[sympy.Symbol, ...]:
+        if not self.graph.parameters:
+            return ()
         used: set[sympy.Basic] = set()
         for _, expression in assignments:
             used |= expression.free_symbols
