@@ -3,6 +3,7 @@
 Almost every law is a number times a symbol, and every junction a sum of symbols. These are
 written here in sympy's normal form at once; sympy itself would search each for like terms, which
 on large graphs is most of the work. Whatever else comes along is left to sympy.
+``_from_args`` is how sympy's own modules make what is in normal form already.
 """
 
 from __future__ import annotations
@@ -35,9 +36,9 @@ def product(factor: sympy.Expr, quantity: sympy.Expr) -> sympy.Expr:
     """
     if quantity.is_Symbol or (quantity.is_Pow and quantity.base.is_Symbol):
         if factor.is_Rational and factor is not sympy.S.One and factor is not sympy.S.Zero:
-            return sympy.Mul(factor, quantity, evaluate=False)
+            return sympy.Mul._from_args((factor, quantity))
         if factor.is_Symbol and quantity.is_Symbol and factor != quantity:
-            return sympy.Mul(*sorted((factor, quantity), key=_BY_SYMPY), evaluate=False)
+            return sympy.Mul._from_args(tuple(sorted((factor, quantity), key=_BY_SYMPY)))
     return factor * quantity
 
 
@@ -61,7 +62,7 @@ def signed_sum(plus: Iterable[sympy.Symbol], minus: Iterable[sympy.Symbol]) -> s
     plus, minus = list(plus), list(minus)
     terms = [*plus, *(-symbol for symbol in minus)]
     if len(terms) > 1 and len({*plus, *minus}) == len(terms):
-        return sympy.Add(*sorted(terms, key=_BY_SYMPY), evaluate=False)
+        return sympy.Add._from_args(tuple(sorted(terms, key=_BY_SYMPY)))
     return sympy.Add(*terms)
 
 

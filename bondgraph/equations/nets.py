@@ -43,19 +43,19 @@ class Nets:
         for name, element in graph.elements.items():
             if isinstance(element, Zero | One):
                 which = "e" if isinstance(element, Zero) else "f"
-                self._give(which, self.at[name][0], f"{name}.{which}")
+                self._give(which, self.at[name][0], name)
         for kinds in (Storage, (R, Friction, Se, Sf)):
             for name, _ in graph.of(kinds):
-                self._give("e", self.at[name][0], f"{name}.e")
-                self._give("f", self.at[name][0], f"{name}.f")
+                self._give("e", self.at[name][0], name)
+                self._give("f", self.at[name][0], name)
         for index, bond in enumerate(graph.bonds):
-            self._give("e", index, f"{bond.name}.e")
-            self._give("f", index, f"{bond.name}.f")
+            self._give("e", index, bond.name)
+            self._give("f", index, bond.name)
 
-    def _give(self, which: str, bond: int, name: str) -> None:
+    def _give(self, which: str, bond: int, after: str) -> None:
         shared = self._find(_place(which, bond))
         if shared not in self._symbols:
-            self._symbols[shared] = sympy.Symbol(name, real=True)
+            self._symbols[shared] = sympy.Symbol(f"{after}.{which}", real=True)
 
 
 def _place(which: str, bond: int) -> int:
