@@ -91,3 +91,34 @@ def renamed(expression: sympy.Expr, names: Mapping[sympy.Basic, sympy.Expr]) -> 
         factor, quantity = expression.args
         return product(factor, renamed(quantity, names))
     return expression.xreplace(names)
+
+
+def slopes(expression: sympy.Expr, symbols: Iterable[sympy.Basic]) -> dict[sympy.Basic, sympy.Expr]:
+    """Differentiate by several symbols; a sum term by term, each by its own symbols alone.
+
+    Parameters
+    ----------
+    expression : Expr
+    symbols : iterable of Symbol
+
+    Returns
+    -------
+    dict of Symbol to Expr
+        The partial derivatives, in the order of the symbols.
+
+    Examples
+    --------
+    >>> x, y = sympy.symbols("x y")
+    >>> slopes(3 * x + x * y, [x, y])
+    {x: y + 3, y: x}
+    """
+    parts: dict[sympy.Basic, list[sympy.Expr]] = {symbol: [] for symbol in symbols}
+    for term in sympy.Add.make_args(expression):
+        for symbol in term.free_symbols & parts.keys():
+            parts[symbol].append(_slope(term, symbol))
+    return {symbol: sympy.Add(*part) for symbol, part in parts.items()}
+
+
+def _slope(term: sympy.Expr, symbol: sympy.Basic) -> sympy.Expr:
+    factor, rest = term.as_coeff_Mul()
+    return factor if rest == symbol else sympy.diff(term, symbol)

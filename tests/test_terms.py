@@ -5,7 +5,7 @@ import itertools
 import pytest
 import sympy
 
-from bondgraph.terms import product, renamed, signed_sum
+from bondgraph.terms import product, renamed, signed_sum, slopes
 
 a, b, c, s = sympy.symbols("a b c s", real=True)
 same = sympy.Dummy("a", real=True)
@@ -40,3 +40,13 @@ def test_sums_in_which_terms_meet():
 @pytest.mark.parametrize("law", [*QUANTITIES, s / 2, -(s**2), s**2 * a / 3], ids=str)
 def test_renaming(law, name):
     assert renamed(law, {s: name}) == law.xreplace({s: name})
+
+
+@pytest.mark.parametrize(
+    "expression",
+    [*QUANTITIES, 3 * s - a / 2 + s * a**2, sympy.exp(s * a) + s, (s + a) * (s - b), -s, b],
+    ids=str,
+)
+def test_slopes(expression):
+    expected = {symbol: sympy.diff(expression, symbol) for symbol in (s, a)}
+    assert slopes(expression, [s, a]) == expected

@@ -8,8 +8,9 @@ from dataclasses import dataclass
 import sympy
 
 from ..errors import AlgebraicLoopError
+from ..terms import slopes
 from .components import components
-from .elimination import Affine, Elimination, Names, tidy
+from .elimination import Affine, Elimination, Names, combined, tidy
 from .tearing import around, in_order, tear
 
 
@@ -209,16 +210,14 @@ def _affine(
 ) -> Affine | None:
     """Write an expression as affine in the unknowns that its members stand for."""
     used = [symbol for symbol in sorted(expression.free_symbols, key=str) if symbol in members]
-    slopes = [sympy.diff(expression, symbol) for symbol in used]
-    if any(slope.free_symbols & members for slope in slopes):
+    factors = slopes(expression, used)
+    if any(slope.free_symbols & members for slope in factors.values()):
         expression = tidy(expression)  # it may only look nonlinear
-        slopes = [sympy.diff(expression, symbol) for symbol in used]
-        if any(slope.free_symbols & members for slope in slopes):
+        factors = slopes(expression, used)
+        if any(slope.free_symbols & members for slope in factors.values()):
             return None
-    total = Affine({}, expression.xreplace(dict.fromkeys(used, sympy.S.Zero)))
-    for symbol, slope in zip(used, slopes, strict=True):
-        total = total.plus(known[symbol], slope)
-    return total
+    constant = expression.xreplace(dict.fromkeys(used, sympy.S.Zero))
+    return combined(constant, ((known[symbol], slope) for symbol, slope in factors.items()))
 
 
 def _few(names: tuple[str, ...]) -> str:

@@ -125,6 +125,9 @@ class _Scap:
         for index, bond in enumerate(graph.bonds):
             self.at[bond.tail].append(index)
             self.at[bond.head].append(index)
+        # of each junction: the bonds that bring its shared variable, and how many are still free
+        self.deciding: dict[str, list[int]] = {name: [] for name, _ in graph.of(Junction)}
+        self.free = {name: len(self.at[name]) for name in self.deciding}
         self.effort: dict[int, str] = {}
         self.cause: dict[int, _Cause] = {}
         self.trail: list[int] = []
@@ -243,7 +246,17 @@ class _Scap:
     def _undo(self, mark: int) -> None:
         while len(self.trail) > mark:
             index = self.trail.pop()
+            for name, junction in self._junctions(index):
+                self.free[name] += 1
+                if self._decides(index, name, junction):
+                    self.deciding[name].remove(index)
             del self.effort[index], self.cause[index]
+
+    def _junctions(self, index: int) -> list[tuple[str, Junction]]:
+        """Return the junctions that a bond ends on."""
+        bond = self.bonds[index]
+        ends = ((name, self.graph.elements[name]) for name in (bond.tail, bond.head))
+        return [(name, element) for name, element in ends if isinstance(element, Junction)]
 
     def _set(self, index: int, end: str, cause: _Cause) -> None:
         """Give one bond its stroke and follow all consequences."""
@@ -257,6 +270,10 @@ class _Scap:
             self.effort[index] = end
             self.cause[index] = cause
             self.trail.append(index)
+            for name, junction in self._junctions(index):
+                self.free[name] -= 1
+                if self._decides(index, name, junction):
+                    self.deciding[name].append(index)
             bond = self.bonds[index]
             for name in (bond.tail, bond.head):
                 queue.extend(self._follow(name, index))
@@ -310,9 +327,7 @@ class _Scap:
         self, name: str, junction: Junction, index: int
     ) -> list[tuple[int, str, _Cause]]:
         bonds = self.at[name]
-        deciding = [
-            bond for bond in bonds if bond in self.effort and self._decides(bond, name, junction)
-        ]
+        deciding = sorted(self.deciding[name])
         if len(deciding) > 1:
             causes = [self.cause[bond] for bond in deciding]
             raise _Conflict(name, f"two bonds decide its {junction.shared}", deciding, causes)
@@ -325,13 +340,13 @@ class _Scap:
             ]
         if deciding:
             return []
-        free = [bond for bond in bonds if bond not in self.effort]
-        if not free:
+        if self.free[name] == 0:
             causes = [self.cause[bond] for bond in bonds]
             raise _Conflict(name, f"no bond decides its {junction.shared}", bonds, causes)
-        if len(free) == 1:
-            cause = self._passed(name, junction, index, [bond for bond in bonds if bond != free[0]])
-            return [(free[0], self._end(free[0], name, junction, True), cause)]
+        if self.free[name] == 1:
+            free = next(bond for bond in bonds if bond not in self.effort)
+            cause = self._passed(name, junction, index, [bond for bond in bonds if bond != free])
+            return [(free, self._end(free, name, junction, True), cause)]
         return []
 
     def _passed(self, name: str, element: Element, index: int, given: list[int]) -> _Cause:
