@@ -77,9 +77,13 @@ def combined(constant: sympy.Expr, parts: Iterable[tuple[Affine, sympy.Expr]]) -
     terms: dict[sympy.Symbol, sympy.Expr] = {}
     for part, factor in parts:
         for variable, value in part.terms.items():
-            terms[variable] = terms.get(variable, sympy.S.Zero) + factor * value
+            total = terms.get(variable, sympy.S.Zero) + factor * value
+            if total != 0:
+                terms[variable] = total
+            else:
+                terms.pop(variable, None)
         constant += factor * part.constant
-    return Affine({variable: value for variable, value in terms.items() if value != 0}, constant)
+    return Affine(terms, constant)
 
 
 class Names:
