@@ -16,30 +16,47 @@ import sympy
 _BY_SYMPY = functools.cmp_to_key(sympy.Basic.compare)
 
 
-def product(factor: sympy.Expr, quantity: sympy.Expr) -> sympy.Expr:
-    """Multiply two expressions.
+def product(*factors: sympy.Expr) -> sympy.Expr:
+    """Multiply expressions.
 
     Parameters
     ----------
-    factor, quantity : Expr
+    *factors : Expr
 
     Returns
     -------
     Expr
-        As ``factor * quantity``.
+        As ``sympy.Mul(*factors)``.
 
     Examples
     --------
     >>> e, f = sympy.symbols("e f")
-    >>> product(sympy.Rational(1, 2), e**2), product(f, e)
-    (e**2/2, e*f)
+    >>> product(sympy.Rational(1, 2), e**2), product(f, 3 * e)
+    (e**2/2, 3*e*f)
     """
-    if quantity.is_Symbol or (quantity.is_Pow and quantity.base.is_Symbol):
-        if factor.is_Rational and factor is not sympy.S.One and factor is not sympy.S.Zero:
-            return sympy.Mul._from_args((factor, quantity))
-        if factor.is_Symbol and quantity.is_Symbol and factor != quantity:
-            return sympy.Mul._from_args(tuple(sorted((factor, quantity), key=_BY_SYMPY)))
-    return factor * quantity
+    number: sympy.Expr = sympy.S.One
+    powers: list[sympy.Expr] = []
+    for factor in factors:
+        coefficient, rest = factor.as_coeff_Mul()
+        if coefficient is not sympy.S.One:
+            number *= coefficient
+        if rest is not sympy.S.One:
+            powers += sympy.Mul.make_args(rest)
+    bases = {_base(power) for power in powers}
+    if not number.is_Rational or number.is_zero or None in bases or len(bases) < len(powers):
+        return sympy.Mul(*factors)
+    if len(powers) > 1:
+        powers.sort(key=_BY_SYMPY)
+    if number is not sympy.S.One:
+        powers.insert(0, number)
+    return sympy.Mul._from_args(tuple(powers))
+
+
+def _base(power: sympy.Expr) -> sympy.Symbol | None:
+    """Return the symbol of which an expression is an integer power, None where it is none."""
+    if power.is_Pow and power.exp.is_Integer:
+        power = power.base
+    return power if power.is_Symbol and power.is_commutative else None
 
 
 def signed_sum(plus: Iterable[sympy.Symbol], minus: Iterable[sympy.Symbol]) -> sympy.Expr:
@@ -87,9 +104,10 @@ def renamed(expression: sympy.Expr, names: Mapping[sympy.Basic, sympy.Expr]) -> 
     """
     if expression.is_Symbol:
         return names.get(expression, expression)
-    if expression.is_Mul and len(expression.args) == 2 and expression.args[0].is_Rational:
-        factor, quantity = expression.args
-        return product(factor, renamed(quantity, names))
+    if expression.is_Mul:
+        return product(*(renamed(part, names) for part in expression.args))
+    if (base := _base(expression)) is not None:
+        return names[base] ** expression.exp if base in names else expression
     return expression.xreplace(names)
 
 

@@ -419,7 +419,7 @@ class _Derivation:
 
     def _modulated_storages(self, rates: Rates) -> None:
         """Count the work that a modulation does on a storage, at constant state, as supplied."""
-        constant = self.graph.parameters.keys()
+        constant = frozenset(self.graph.parameters)
         for name, energy in self.energies.items():
             if energy is None:
                 continue
