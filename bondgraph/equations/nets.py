@@ -22,12 +22,13 @@ class Nets:
                 which = "e" if isinstance(element, Zero) else "f"
                 for index in self.at[name][1:]:
                     self._join(_place(which, self.at[name][0]), _place(which, index))
-        self._symbols: dict[int, sympy.Symbol] = {}
+        self._given: dict[int, sympy.Symbol] = {}
         self._name(graph)
+        self._symbols = [self._given[self._find(place)] for place in range(len(self._parent))]
 
     def symbol(self, which: str, bond: int) -> sympy.Symbol:
         """Return the variable that a bond's effort ('e') or flow ('f') is."""
-        return self._symbols[self._find(_place(which, bond))]
+        return self._symbols[_place(which, bond)]
 
     def _find(self, place: int) -> int:
         parent = self._parent
@@ -54,8 +55,8 @@ class Nets:
 
     def _give(self, which: str, bond: int, after: str) -> None:
         shared = self._find(_place(which, bond))
-        if shared not in self._symbols:
-            self._symbols[shared] = sympy.Symbol(f"{after}.{which}", real=True)
+        if shared not in self._given:
+            self._given[shared] = sympy.Symbol(f"{after}.{which}", real=True)
 
 
 def _place(which: str, bond: int) -> int:
