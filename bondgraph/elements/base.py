@@ -35,7 +35,7 @@ def variable(name: str) -> sympy.Dummy:
 
 
 @functools.cache
-def _fields(kind: type[Element]) -> tuple[tuple[str, ...], tuple[str, ...]]:
+def _fields(kind: type[Any]) -> tuple[tuple[str, ...], tuple[str, ...]]:
     """Return the fields that hold the element's own variables, and the others.
 
     They are told by type: a law may be another element's bare symbol.

@@ -289,7 +289,8 @@ class _Derivation:
             bond for bond in bonds if (self.effort_out[bond] == name) == isinstance(junction, One)
         )
         sign = self._towards(name, strong)
-        plus, minus = [], []
+        plus: list[sympy.Symbol] = []
+        minus: list[sympy.Symbol] = []
         for bond in bonds:
             if bond != strong:
                 side = minus if self._towards(name, bond) == sign else plus
