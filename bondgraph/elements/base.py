@@ -61,18 +61,22 @@ class Element(Joinable):
         for key, value in values.items():
             object.__setattr__(self, key, value)
 
+    def _fields(self) -> tuple[tuple[str, ...], tuple[str, ...]]:
+        kind: Any = type(self)
+        return _fields(kind)
+
     def __repr__(self) -> str:
         return f"{self.kind}({self.name!r})"
 
     @property
     def symbols(self) -> dict[str, sympy.Dummy]:
         """Port variables and states by attribute name, as other laws use them."""
-        return {name: getattr(self, name) for name in _fields(type(self))[0]}
+        return {name: getattr(self, name) for name in self._fields()[0]}
 
     @property
     def laws(self) -> dict[str, sympy.Expr]:
         """Law expressions by attribute name."""
-        values = {name: getattr(self, name) for name in _fields(type(self))[1]}
+        values = {name: getattr(self, name) for name in self._fields()[1]}
         return {key: value for key, value in values.items() if isinstance(value, sympy.Expr)}
 
     def replaced(
