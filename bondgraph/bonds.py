@@ -23,7 +23,7 @@ class Joinable:
         return _chain(other, self)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, slots=True)
 class Bond:
     """A power bond with its half arrow at the head.
 
@@ -44,7 +44,7 @@ class Bond:
     head: Any
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, slots=True)
 class Chain:
     """Bonds written in one line with ``>>``.
 
@@ -69,6 +69,8 @@ class Chain:
 
 def _chain(left: Any, right: Any) -> Chain:
     """Join the heads of ``left`` to the tails of ``right``."""
+    if isinstance(left, Joinable) and isinstance(right, Joinable):
+        return Chain((Bond(left, right),), (left,), (right,))
     start, end = _as_chain(left), _as_chain(right)
     if len(start.heads) > 1 and len(end.tails) > 1:
         raise TypeError(

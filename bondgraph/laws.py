@@ -50,6 +50,8 @@ def exact(value: Any) -> sympy.Expr:
         raise LawError(f"expected a number or a sympy expression, got {value!r}") from None
     if not isinstance(expression, sympy.Expr):
         raise LawError(f"expected a scalar expression, got {value!r}")
+    if expression.is_Rational or expression.is_Symbol:
+        return expression
     if expression.has(sympy.nan, sympy.zoo, sympy.oo, sympy.S.NegativeInfinity):
         raise LawError(f"{value!r} is not a finite number; give a finite value")
     if expression.has(sympy.I):

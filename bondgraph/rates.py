@@ -13,6 +13,7 @@ import sympy
 
 from .errors import LawError
 from .graph import TIME
+from .terms import slopes
 
 MAX_ORDER = 3
 
@@ -105,10 +106,11 @@ class Rates:
 
     def _chain(self, expression: sympy.Expr) -> sympy.Expr:
         terms = []
-        for symbol in sorted(expression.free_symbols, key=lambda item: item.name):
-            inner = self._rate(symbol)
-            if inner != 0:
-                terms.append(sympy.diff(expression, symbol) * inner)
+        symbols = sorted(expression.free_symbols, key=lambda item: item.name)
+        inner = {symbol: self._rate(symbol) for symbol in symbols}
+        moving = [symbol for symbol in symbols if inner[symbol] != 0]
+        for symbol, slope in slopes(expression, moving).items():
+            terms.append(slope * inner[symbol])
         return sympy.Add(*terms)
 
     def _rate(self, symbol: sympy.Symbol) -> sympy.Expr:

@@ -3,10 +3,12 @@
 import itertools
 import random
 
+import networkx
 import pytest
 import sympy
 
 from bondgraph.blocks import AlgebraicLoop, SingularLoopError, expansion, order_and_solve
+from bondgraph.blocks.components import components
 from bondgraph.blocks.elimination import Affine, Elimination, Names
 from bondgraph.blocks.residues import Residues
 from bondgraph.blocks.tearing import around, in_order, tear
@@ -30,6 +32,32 @@ def check_order(ordered, given):
 def solved(ordered, symbol):
     known = expansion(ordered.assignments, [symbol])
     return sympy.cancel(known[symbol])
+
+
+class TestComponents:
+    @pytest.mark.parametrize("seed", range(50))
+    def test_as_networkx_has_them(self, seed):
+        rng = random.Random(seed)
+        size, density = rng.randint(1, 15), rng.choice([0.05, 0.1, 0.2, 0.4])
+        needs = [[j for j in range(size) if rng.random() < density] for _ in range(size)]
+        network = networkx.DiGraph()
+        network.add_nodes_from(range(size))
+        network.add_edges_from((need, i) for i, wanted in enumerate(needs) for need in wanted)
+        expected = {frozenset(group) for group in networkx.strongly_connected_components(network)}
+        groups = components(needs)
+        assert {frozenset(group) for group in groups} == expected
+        assert len(groups) == len(expected)
+        known = set()
+        for group in groups:
+            known |= set(group)
+            assert group == sorted(group)
+            assert all(known.issuperset(needs[member]) for member in group)
+
+    def test_long_chains_do_not_recurse(self):
+        size = 5000
+        assert components([[i + 1] for i in range(size - 1)] + [[]]) == [
+            [i] for i in reversed(range(size))
+        ]
 
 
 class TestOrder:

@@ -314,11 +314,12 @@ def test_a_two_port_between_contradicting_sources_is_named():
     assert set(caught.value.elements) == {"gear", "s", "z"}
 
 
-def test_friction_beside_a_spring_on_one_force_is_a_conflict():
+def test_friction_beside_a_spring_on_one_force_decides_its_flow():
+    """The spring keeps its state; what the slider does is a matter of its mode."""
     node = Zero("node")
-    with pytest.raises(CausalConflictError) as caught:
-        causal(Sf("s", 1) >> node >> (C("k", 1), Friction("f", kinetic=lambda v: 3)))
-    assert {"node", "k", "f"} <= set(caught.value.elements)
+    found = causal(Sf("s", 1) >> node >> (C("k", 1), Friction("f", kinetic=lambda v: 3)))
+    assert found.integral == ("k",)
+    assert found.stroke("node>f").effort_out_of == "node"
 
 
 def test_junctions_that_contradict_each_other_alone():

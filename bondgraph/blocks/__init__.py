@@ -5,7 +5,7 @@ residual that must vanish. Strongly connected components are the algebraic
 loops. A linear one is solved by elimination inside the block, in exact
 arithmetic; a nonlinear one keeps its tearing variables as algebraic variables.
 
-`order` sorts and reports, `tearing` chooses what to solve for, `elimination`
+`components` finds what needs each other, `order` sorts and reports, `tearing` chooses what to solve for, `elimination`
 solves, `residues` tells what is zero.
 """
 

@@ -40,13 +40,7 @@ class Affine:
 
     def plus(self, other: Affine, factor: sympy.Expr) -> Affine:
         """Add a multiple of another."""
-        terms = dict(self.terms)
-        for variable, value in other.terms.items():
-            terms[variable] = terms.get(variable, sympy.S.Zero) + factor * value
-        return Affine(
-            {variable: value for variable, value in terms.items() if value != 0},
-            self.constant + factor * other.constant,
-        )
+        return combined(sympy.S.Zero, [(self, sympy.S.One), (other, factor)])
 
     def without(self, variable: sympy.Symbol) -> Affine:
         """Leave a variable's term out."""
@@ -68,6 +62,28 @@ class Affine:
     def expression(self) -> sympy.Expr:
         """Return the sum as an expression."""
         return sympy.Add(*(value * key for key, value in self.terms.items()), self.constant)
+
+
+def combined(constant: sympy.Expr, parts: Iterable[tuple[Affine, sympy.Expr]]) -> Affine:
+    """Add multiples of several to a constant.
+
+    Examples
+    --------
+    >>> x, y = sympy.symbols("x y")
+    >>> one, two = (Affine({variable: sympy.S.One}, sympy.S.Zero) for variable in (x, y))
+    >>> combined(sympy.S(3), [(one, sympy.S(2)), (two, sympy.S(5))]).expression()
+    2*x + 5*y + 3
+    """
+    terms: dict[sympy.Symbol, sympy.Expr] = {}
+    for part, factor in parts:
+        for variable, value in part.terms.items():
+            total = terms.get(variable, sympy.S.Zero) + factor * value
+            if total != 0:
+                terms[variable] = total
+            else:
+                terms.pop(variable, None)
+        constant += factor * part.constant
+    return Affine(terms, constant)
 
 
 class Names:

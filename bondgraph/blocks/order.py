@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-import networkx
 import sympy
 
 from ..errors import AlgebraicLoopError
-from .elimination import Affine, Elimination, Names, tidy
+from ..terms import slopes
+from .components import components
+from .elimination import Affine, Elimination, Names, combined, tidy
 from .tearing import around, in_order, tear
 
 
@@ -104,13 +105,8 @@ def order_and_solve(
         )
         for variable in variables
     ]
-    network = networkx.DiGraph()
-    network.add_nodes_from(range(len(variables)))
-    network.add_edges_from((need, index) for index, wants in enumerate(needs) for need in wants)
-    condensed = networkx.condensation(network)
     state = _Solver(explicit, implicit)
-    for block in networkx.topological_sort(condensed):
-        members = sorted(condensed.nodes[block]["members"])
+    for members in components(needs):
         first = variables[members[0]]
         if len(members) == 1 and first in explicit and members[0] not in needs[members[0]]:
             state.assignments.append((first, explicit[first]))
@@ -214,16 +210,14 @@ def _affine(
 ) -> Affine | None:
     """Write an expression as affine in the unknowns that its members stand for."""
     used = [symbol for symbol in sorted(expression.free_symbols, key=str) if symbol in members]
-    slopes = [sympy.diff(expression, symbol) for symbol in used]
-    if any(slope.free_symbols & members for slope in slopes):
+    factors = slopes(expression, used)
+    if any(slope.free_symbols & members for slope in factors.values()):
         expression = tidy(expression)  # it may only look nonlinear
-        slopes = [sympy.diff(expression, symbol) for symbol in used]
-        if any(slope.free_symbols & members for slope in slopes):
+        factors = slopes(expression, used)
+        if any(slope.free_symbols & members for slope in factors.values()):
             return None
-    total = Affine({}, expression.xreplace(dict.fromkeys(used, sympy.S.Zero)))
-    for symbol, slope in zip(used, slopes, strict=True):
-        total = total.plus(known[symbol], slope)
-    return total
+    constant = expression.xreplace(dict.fromkeys(used, sympy.S.Zero))
+    return combined(constant, ((known[symbol], slope) for symbol, slope in factors.items()))
 
 
 def _few(names: tuple[str, ...]) -> str:

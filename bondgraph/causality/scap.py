@@ -6,6 +6,7 @@ from collections import deque
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
+from ..collector import held_back
 from ..elements import (
     GY,
     TF,
@@ -43,6 +44,7 @@ def preferred(element: Element) -> bool:
     return next(out for kind, out in PREFERRED.items() if isinstance(element, kind))
 
 
+@held_back()
 def assign_causality(graph: BondGraph, dependent: Collection[str] = ()) -> CausalGraph:
     """Assign a causal stroke to every bond.
 
@@ -105,12 +107,11 @@ class _Cause:
 
 @dataclass(frozen=True)
 class _Choice:
-    """A bond still free, the end whose effort is tried first, and whether the other may be."""
+    """A bond still free, and the end whose effort is tried first."""
 
     index: int
     end: str
     cause: _Cause
-    firm: bool = False
 
 
 @dataclass(frozen=True)
@@ -148,6 +149,9 @@ class _Scap:
         for index, bond in enumerate(graph.bonds):
             self.at[bond.tail].append(index)
             self.at[bond.head].append(index)
+        # of each junction: the bonds that bring its shared variable, and how many are still free
+        self.deciding: dict[str, list[int]] = {name: [] for name, _ in graph.of(Junction)}
+        self.free = {name: len(self.at[name]) for name in self.deciding}
         self.effort: dict[int, str] = {}
         self.cause: dict[int, _Cause] = {}
         self.trail: list[int] = []
@@ -186,7 +190,7 @@ class _Scap:
             cause = _Cause(Reason.ARBITRARY, f"free choice at {bond.name}", bond.tail)
             yield _Choice(index, bond.tail, cause)
 
-    def _wish(self, name: str, reason: Reason, firm: bool = False) -> _Choice:
+    def _wish(self, name: str, reason: Reason) -> _Choice:
         """Return the causality that a one-port would have by itself."""
         element = self.graph.elements[name]
         out = element.effort is not None if isinstance(element, R) else preferred(element)
@@ -201,7 +205,6 @@ class _Scap:
             index,
             name if out else self._other(index, name),
             _Cause(reason, words[reason], name),
-            firm,
         )
 
     def stroke(self, index: int) -> Stroke:
@@ -227,7 +230,7 @@ class _Scap:
         position = 0
         while position < len(choices):
             choice = choices[position]
-            if choice.firm or choice.index not in self.effort:
+            if choice.index not in self.effort:
                 cause = replace(choice.cause, blamed=frozenset((len(decisions),)))
                 decisions.append(_Decision(choice, position, len(self.trail)))
                 conflict = self._attempt(choice.index, choice.end, cause)
@@ -240,7 +243,7 @@ class _Scap:
         while conflict is not None:
             roots = _roots(conflict.causes)
             blamed = frozenset().union(*(root.blamed for root in roots))
-            if not blamed or decisions[max(blamed)].choice.firm:
+            if not blamed:
                 raise self._error(conflict)
             last = max(blamed)
             choice = decisions[last].choice
@@ -267,7 +270,17 @@ class _Scap:
     def _undo(self, mark: int) -> None:
         while len(self.trail) > mark:
             index = self.trail.pop()
+            for name, junction in self._junctions(index):
+                self.free[name] += 1
+                if self._decides(index, name, junction):
+                    self.deciding[name].remove(index)
             del self.effort[index], self.cause[index]
+
+    def _junctions(self, index: int) -> list[tuple[str, Junction]]:
+        """Return the junctions that a bond ends on."""
+        bond = self.bonds[index]
+        ends = ((name, self.graph.elements[name]) for name in (bond.tail, bond.head))
+        return [(name, element) for name, element in ends if isinstance(element, Junction)]
 
     def _set(self, index: int, end: str, cause: _Cause) -> None:
         """Give one bond its stroke and follow all consequences."""
@@ -281,6 +294,10 @@ class _Scap:
             self.effort[index] = end
             self.cause[index] = cause
             self.trail.append(index)
+            for name, junction in self._junctions(index):
+                self.free[name] -= 1
+                if self._decides(index, name, junction):
+                    self.deciding[name].append(index)
             bond = self.bonds[index]
             for name in (bond.tail, bond.head):
                 queue.extend(self._follow(name, index))
@@ -334,9 +351,7 @@ class _Scap:
         self, name: str, junction: Junction, index: int
     ) -> list[tuple[int, str, _Cause]]:
         bonds = self.at[name]
-        deciding = [
-            bond for bond in bonds if bond in self.effort and self._decides(bond, name, junction)
-        ]
+        deciding = sorted(self.deciding[name])
         if len(deciding) > 1:
             causes = [self.cause[bond] for bond in deciding]
             raise _Conflict(name, f"two bonds decide its {junction.shared}", deciding, causes)
@@ -349,13 +364,13 @@ class _Scap:
             ]
         if deciding:
             return []
-        free = [bond for bond in bonds if bond not in self.effort]
-        if not free:
+        if self.free[name] == 0:
             causes = [self.cause[bond] for bond in bonds]
             raise _Conflict(name, f"no bond decides its {junction.shared}", bonds, causes)
-        if len(free) == 1:
-            cause = self._passed(name, junction, index, [bond for bond in bonds if bond != free[0]])
-            return [(free[0], self._end(free[0], name, junction, True), cause)]
+        if self.free[name] == 1:
+            free = next(bond for bond in bonds if bond not in self.effort)
+            cause = self._passed(name, junction, index, [bond for bond in bonds if bond != free])
+            return [(free, self._end(free, name, junction, True), cause)]
         return []
 
     def _passed(self, name: str, element: Element, index: int, given: list[int]) -> _Cause:

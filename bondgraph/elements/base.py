@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Mapping
-from dataclasses import Field, dataclass, fields
+from dataclasses import dataclass, fields
 from typing import Any, ClassVar, Self
 
 import sympy
@@ -33,9 +34,14 @@ def variable(name: str) -> sympy.Dummy:
     return sympy.Dummy(name, real=True)
 
 
-def _is_variable(field: Field[Any]) -> bool:
-    """Whether a field holds a variable of the element itself: a law may be another's bare symbol."""
-    return field.type == "sympy.Dummy"
+@functools.cache
+def _fields(kind: type[Any]) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Return the fields that hold the element's own variables, and the others.
+
+    They are told by type: a law may be another element's bare symbol.
+    """
+    own = tuple(field.name for field in fields(kind) if field.type == "sympy.Dummy")
+    return own, tuple(field.name for field in fields(kind) if field.name not in own)
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
@@ -55,24 +61,22 @@ class Element(Joinable):
         for key, value in values.items():
             object.__setattr__(self, key, value)
 
+    def _fields(self) -> tuple[tuple[str, ...], tuple[str, ...]]:
+        kind: Any = type(self)
+        return _fields(kind)
+
     def __repr__(self) -> str:
         return f"{self.kind}({self.name!r})"
 
     @property
     def symbols(self) -> dict[str, sympy.Dummy]:
         """Port variables and states by attribute name, as other laws use them."""
-        return {
-            field.name: getattr(self, field.name) for field in fields(self) if _is_variable(field)
-        }
+        return {name: getattr(self, name) for name in self._fields()[0]}
 
     @property
     def laws(self) -> dict[str, sympy.Expr]:
         """Law expressions by attribute name."""
-        values = {
-            field.name: getattr(self, field.name)
-            for field in fields(self)
-            if not _is_variable(field)
-        }
+        values = {name: getattr(self, name) for name in self._fields()[1]}
         return {key: value for key, value in values.items() if isinstance(value, sympy.Expr)}
 
     def replaced(

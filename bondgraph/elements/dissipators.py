@@ -9,6 +9,7 @@ from typing import Any, ClassVar
 import sympy
 
 from ..laws import affine_inverse
+from ..terms import product
 from .base import OnePort
 
 
@@ -60,7 +61,10 @@ class R(OnePort):
         key, law = self._one_of(resistance=resistance, effort=effort, flow=flow)
         if key == "resistance":
             value = self._apply(key, law, self.f)
-            self._set(effort=value * self.f, flow=None if value == 0 else self.e / value)
+            self._set(
+                effort=product(value, self.f),
+                flow=None if value == 0 else product(1 / value, self.e),
+            )
         elif key == "effort":
             self._set(effort=self._apply(key, law, self.f), flow=None)
             self._set(flow=affine_inverse(self.effort, self.f, self.e))

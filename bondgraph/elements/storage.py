@@ -10,6 +10,7 @@ import sympy
 
 from ..errors import LawError
 from ..laws import affine_inverse
+from ..terms import product
 from .base import OnePort, variable
 
 LARGEST_EXPANSION = 4  # of a power of a sum, when a law is integrated
@@ -60,12 +61,16 @@ class Storage(OnePort):
                     f"{self.kind} {self.name!r}: {key} is zero; leave the element out",
                     elements=[self.name],
                 )
-            self._set(law=state / value, inverse=conjugate * value, energy=state**2 / (2 * value))
+            self._set(
+                law=product(1 / value, state),
+                inverse=product(value, conjugate),
+                energy=product(1 / (2 * value), state**2),
+            )
         elif form == "stiff":
             self._set(
-                law=state * value,
-                inverse=None if value == 0 else conjugate / value,
-                energy=value * state**2 / 2,
+                law=product(value, state),
+                inverse=None if value == 0 else product(1 / value, conjugate),
+                energy=product(value / 2, state**2) if value.is_Rational else value * state**2 / 2,
             )
         elif form == "law":
             self._set(

@@ -26,6 +26,7 @@ from ..elements import (
 )
 from ..errors import GraphError
 from ..graph import BondGraph
+from ..terms import product
 from .nets import Nets
 
 Local = Callable[[sympy.Expr], sympy.Expr]
@@ -90,8 +91,10 @@ class Accounts:
         """Return the power that a one-port takes: along its bond, if the arrow points to it."""
         index = self._nets.at[name][0]
         sign = 1 if self._graph.bonds[index].head == name else -1
-        flow = sign * self._local(element.f)
-        return flow if name in self._pseudo else flow * self._local(element.e)
+        flow = self._local(element.f)
+        if name in self._pseudo:
+            return sign * flow
+        return product(sympy.Integer(sign), self._local(element.e), flow)
 
     def _beside_one(self, name: str) -> bool:
         bond = self._graph.bonds[self._nets.at[name][0]]

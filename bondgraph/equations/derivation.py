@@ -11,6 +11,7 @@ import sympy
 from ..blocks import SingularLoopError, order_and_solve
 from ..blocks.residues import PRIME, Residues
 from ..causality import CausalGraph, assign_causality
+from ..collector import held_back
 from ..elements import (
     TF,
     C,
@@ -29,6 +30,7 @@ from ..elements import (
 from ..errors import CausalConflictError, LawError
 from ..graph import BondGraph
 from ..rates import Rates
+from ..terms import renamed, signed_sum
 from .accounts import Accounts
 from .nets import Nets
 from .value import Contact, Equations, assert_closed
@@ -37,6 +39,7 @@ from .value import Contact, Equations, assert_closed
 MAX_DEPENDENT_CHOICES = 60
 
 
+@held_back()
 def derive(graph: BondGraph | CausalGraph) -> Equations:
     """Derive the state equations.
 
@@ -116,6 +119,7 @@ class _Derivation:
     def __init__(self, causal: CausalGraph) -> None:
         self.causal = causal
         self.graph = causal.graph
+        self.integral = frozenset(causal.integral)
         self.nets = Nets(self.graph)
         self.explicit: dict[sympy.Symbol, sympy.Expr] = {}
         self.implicit: dict[sympy.Symbol, sympy.Expr] = {}
@@ -132,7 +136,7 @@ class _Derivation:
         self.answers = {
             self._conjugate(element)
             for name, element in self.graph.of(Storage)
-            if name in causal.derivative
+            if name not in self.integral
         }
         self.signals: dict[sympy.Symbol, sympy.Symbol] = {}
 
@@ -153,7 +157,8 @@ class _Derivation:
         rates.finish()
         self._forget_signals()
         accounts = Accounts(self.graph, self.nets, self._local)
-        supplied = accounts.supplied() | self._modulated_storages(rates, accounts.energies())
+        energies = accounts.energies()
+        supplied = accounts.supplied() | self._modulated_storages(rates, energies)
         outputs = {
             name: self._local(output.expression) for name, output in self.graph.outputs.items()
         }
@@ -167,7 +172,7 @@ class _Derivation:
                 (expression for _, expression in ordered.assignments),
                 ordered.residuals,
                 outputs.values(),
-                (energy for energy in accounts.energies().values() if energy is not None),
+                (energy for energy in energies.values() if energy is not None),
             ),
             algebraic=ordered.algebraic,
             residuals=ordered.residuals,
@@ -178,7 +183,7 @@ class _Derivation:
             contacts=tuple(self.contacts),
             supplied=supplied,
             dissipated=accounts.dissipated(),
-            energies=accounts.energies(),
+            energies=energies,
             dependent=self.dependent,
             loops=ordered.loops,
             causal=self.causal,
@@ -234,7 +239,7 @@ class _Derivation:
         return 1 if self.graph.bonds[bond].head == name else -1
 
     def _local(self, expression: sympy.Expr) -> sympy.Expr:
-        return expression.xreplace(self.names)
+        return renamed(expression, self.names)
 
     def _conjugate(self, storage: Storage) -> sympy.Symbol:
         """Return the variable that is the rate of a storage's state."""
@@ -298,14 +303,13 @@ class _Derivation:
             bond for bond in bonds if (self.effort_out[bond] == name) == isinstance(junction, One)
         )
         sign = self._towards(name, strong)
-        total = sympy.Add(
-            *(
-                -sign * self._towards(name, bond) * self.nets.symbol(summed, bond)
-                for bond in bonds
-                if bond != strong
-            )
-        )
-        self.explicit[self.nets.symbol(summed, strong)] = total
+        plus: list[sympy.Symbol] = []
+        minus: list[sympy.Symbol] = []
+        for bond in bonds:
+            if bond != strong:
+                side = minus if self._towards(name, bond) == sign else plus
+                side.append(self.nets.symbol(summed, bond))
+        self.explicit[self.nets.symbol(summed, strong)] = signed_sum(plus, minus)
 
     def _write_two_port(self, name: str, element: TwoPort) -> None:
         into, out = self._sides(name)
@@ -330,7 +334,7 @@ class _Derivation:
     def _write_storage(self, name: str, element: Storage) -> None:
         state = self.names[element.state]
         self.storage[name] = state
-        if name in self.causal.integral:
+        if name in self.integral:
             self.explicit[self.names[element.coenergy]] = self._local(element.law)
             self.states[state] = self._conjugate(element)
             self.initial.append(self._local(element.initial))
@@ -433,10 +437,11 @@ class _Derivation:
     ) -> dict[str, sympy.Expr]:
         """Count the work that a modulation does on a storage, at constant state, as supplied."""
         supplied = {}
+        constant = frozenset(self.graph.parameters)
         for name, energy in energies.items():
             if energy is None:
                 continue
-            outside = energy.free_symbols - self._states_of(name) - set(self.graph.parameters)
+            outside = energy.free_symbols - self._states_of(name) - constant
             work = sympy.Add(
                 *(
                     sympy.diff(energy, symbol) * rates.full.of(symbol)
@@ -466,6 +471,8 @@ class _Derivation:
         }
 
     def _used_parameters(self, *groups: Iterable[sympy.Expr]) -> tuple[sympy.Symbol, ...]:
+        if not self.graph.parameters:
+            return ()
         breakaways = (contact.breakaway for contact in self.contacts)
         laws = (law for _, element in self.graph.of(Switched) for law in element.laws.values())
         used: set[sympy.Basic] = set()

@@ -12,32 +12,31 @@ class Nets:
     """Variables: one symbol for each effort and flow, shared at junctions."""
 
     def __init__(self, graph: BondGraph) -> None:
-        self._parent: dict[tuple[str, int], tuple[str, int]] = {}
+        self._parent = list(range(2 * len(graph.bonds)))
         self.at: dict[str, list[int]] = {name: [] for name in graph.elements}
         for index, bond in enumerate(graph.bonds):
-            self._parent[("e", index)] = ("e", index)
-            self._parent[("f", index)] = ("f", index)
             self.at[bond.tail].append(index)
             self.at[bond.head].append(index)
         for name, element in graph.elements.items():
             if isinstance(element, Zero | One):
                 which = "e" if isinstance(element, Zero) else "f"
                 for index in self.at[name][1:]:
-                    self._join((which, self.at[name][0]), (which, index))
-        self._symbols: dict[tuple[str, int], sympy.Symbol] = {}
+                    self._join(_place(which, self.at[name][0]), _place(which, index))
+        self._given: dict[int, sympy.Symbol] = {}
         self._name(graph)
+        self._symbols = [self._given[self._find(place)] for place in range(len(self._parent))]
 
     def symbol(self, which: str, bond: int) -> sympy.Symbol:
         """Return the variable that a bond's effort ('e') or flow ('f') is."""
-        return self._symbols[self._find((which, bond))]
+        return self._symbols[_place(which, bond)]
 
-    def _find(self, key: tuple[str, int]) -> tuple[str, int]:
-        while self._parent[key] != key:
-            self._parent[key] = self._parent[self._parent[key]]
-            key = self._parent[key]
-        return key
+    def _find(self, place: int) -> int:
+        parent = self._parent
+        while parent[place] != place:
+            parent[place] = place = parent[parent[place]]
+        return place
 
-    def _join(self, first: tuple[str, int], second: tuple[str, int]) -> None:
+    def _join(self, first: int, second: int) -> None:
         self._parent[self._find(second)] = self._find(first)
 
     def _name(self, graph: BondGraph) -> None:
@@ -45,14 +44,21 @@ class Nets:
         for name, element in graph.elements.items():
             if isinstance(element, Zero | One):
                 which = "e" if isinstance(element, Zero) else "f"
-                self._give((which, self.at[name][0]), f"{name}.{which}")
+                self._give(which, self.at[name][0], name)
         for kinds in (Storage, (R, Switched, EffortSource, FlowSource)):
             for name, _ in graph.of(kinds):
-                self._give(("e", self.at[name][0]), f"{name}.e")
-                self._give(("f", self.at[name][0]), f"{name}.f")
+                self._give("e", self.at[name][0], name)
+                self._give("f", self.at[name][0], name)
         for index, bond in enumerate(graph.bonds):
-            self._give(("e", index), f"{bond.name}.e")
-            self._give(("f", index), f"{bond.name}.f")
+            self._give("e", index, bond.name)
+            self._give("f", index, bond.name)
 
-    def _give(self, key: tuple[str, int], name: str) -> None:
-        self._symbols.setdefault(self._find(key), sympy.Symbol(name, real=True))
+    def _give(self, which: str, bond: int, after: str) -> None:
+        shared = self._find(_place(which, bond))
+        if shared not in self._given:
+            self._given[shared] = sympy.Symbol(f"{after}.{which}", real=True)
+
+
+def _place(which: str, bond: int) -> int:
+    """Number efforts and flows: those of one bond are neighbours."""
+    return 2 * bond + (which == "f")

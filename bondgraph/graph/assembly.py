@@ -9,6 +9,7 @@ from typing import Any
 import sympy
 
 from ..bonds import Bond, Chain
+from ..collector import held_back
 from ..elements import RS, De, Df, Element, Junction, OnePort
 from ..errors import GraphError
 from .structure import check_structure, disconnected
@@ -16,6 +17,7 @@ from .symbols import Symbols, gather_outputs
 from .value import BondGraph, GraphBond, Output, Port
 
 
+@held_back()
 def assemble(
     name: str,
     *parts: Any,

@@ -46,8 +46,9 @@ class Symbols:
                 self._known(symbol)
         used: dict[sympy.Symbol, None] = {}
         for label, element in elements.items():
+            user = f"{element.kind} {label!r}"
             for law in element.laws.values():
-                used |= dict.fromkeys(self._foreign(law, f"{element.kind} {label!r}"))
+                used |= dict.fromkeys(self._foreign(law, user))
         self.inputs = {
             self._known(symbol): unit
             for submodel in submodels
@@ -70,6 +71,8 @@ class Symbols:
 
     def touches(self, element: Element) -> bool:
         """Whether an element's laws use a symbol that was merged into another of its name."""
+        if not self.merged:
+            return False
         return any(law.free_symbols & self.merged.keys() for law in element.laws.values())
 
     def canonical(self, expression: sympy.Expr, user: str) -> sympy.Expr:

@@ -13,7 +13,7 @@ from rich import box
 from rich.console import Console
 from rich.table import Table
 
-from . import brake
+from . import brake, growth
 
 
 def brake_race(console: Console, rounds: int, everything: bool) -> bool:
@@ -58,7 +58,40 @@ def _cells(row: brake.Row) -> list[str]:
     ]
 
 
-RACES: dict[str, Callable[[Console, int, bool], bool]] = {"brake": brake_race}
+def ladder_race(console: Console, rounds: int, everything: bool) -> bool:
+    """The ladder race, up to 10000 storages; ``rounds`` processes for each of ours, 3 at most."""
+    rows = growth.race(rounds=min(rounds, growth.ROUNDS))
+    table = Table(
+        title="derivation of ladders",
+        caption="CPU s without imports, each in a fresh process; ratio to halfarrow",
+        box=box.SIMPLE,
+    )
+    for heading in ("ladder", "storages", "package", "CPU s", "ratio"):
+        table.add_column(heading, justify="left" if heading in "ladder package" else "right")
+    for row in rows:
+        if row.kind:
+            told = [row.note, ""] if row.note else [f"{row.seconds:.3f}", f"{row.ratio:.1f}"]
+            table.add_row(row.kind.upper(), str(row.storages), row.name, *told)
+    console.print(table)
+    for absent in (row for row in rows if not row.kind):
+        console.print(f"{absent.name}: {absent.note}", markup=False)
+    return all([_grows_well(console, *found) for found in growth.exponents(rows)])
+
+
+def _grows_well(console: Console, kind: str, exponent: float, seconds: float) -> bool:
+    """Whether the cost of a kind of ladder grows as slowly as the framework asks of itself."""
+    kept = exponent <= growth.EXPONENT_LIMIT and seconds <= growth.SECONDS_LIMIT
+    console.print(
+        f"{kind.upper()}: exponent {exponent:.2f} from 1000 to 10000, {seconds:.2f} s at 10000: "
+        f"{'within' if kept else 'NOT within'} {growth.EXPONENT_LIMIT:g} and {growth.SECONDS_LIMIT:g} s"
+    )
+    return kept
+
+
+RACES: dict[str, Callable[[Console, int, bool], bool]] = {
+    "brake": brake_race,
+    "ladders": ladder_race,
+}
 
 
 def main() -> None:
