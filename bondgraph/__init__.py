@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from .causality import CausalGraph, assign_causality
+    from .causality_report import CausalityReport, report_causality
     from .elements import (
         GY,
         RS,
@@ -55,6 +56,7 @@ _HOME = {
     "C": "elements",
     "CField": "elements",
     "CausalGraph": "causality",
+    "CausalityReport": "causality_report",
     "CheckValve": "elements",
     "Clutch": "elements",
     "CompiledModel": "simulation",
@@ -94,6 +96,7 @@ _HOME = {
     "in_mode": "modes",
     "linearize": "linear",
     "load": "files",
+    "report_causality": "causality_report",
     "save": "files",
     "simulate": "simulation",
     "smoothed": "modes",
@@ -108,6 +111,7 @@ __all__ = [
     "BondGraphError",
     "C",
     "CausalGraph",
+    "CausalityReport",
     "CField",
     "CheckValve",
     "Clutch",
@@ -135,6 +139,7 @@ __all__ = [
     "Output",
     "Parameter",
     "R",
+    "report_causality",
     "RField",
     "RS",
     "Samples",

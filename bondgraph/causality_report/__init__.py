@@ -3,7 +3,8 @@
 `report_causality` gathers it as one frozen value, `to_text` and `to_json` write it.
 
 `value` holds the report, `gather` makes it, `constraints` says what binds dependent
-storages, `mode_table` what each mode of switching elements does to them.
+storages, `remedies` how to do without a loop, `mode_table` what each mode of switching
+elements does to the states.
 """
 
 from .as_json import to_json

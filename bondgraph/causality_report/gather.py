@@ -6,13 +6,13 @@ from collections.abc import Iterator, Mapping
 
 import networkx
 
-from ..blocks import AlgebraicLoop
 from ..causality import CausalGraph, Reason, Stroke
-from ..elements import C, Junction, One, R, Storage, Zero
+from ..elements import C, Junction, One, Storage
 from ..equations import Equations, derive
 from ..graph import BondGraph
 from .constraints import Constraints
 from .mode_table import mode_table, possible_modes
+from .remedies import remedy
 from .value import (
     BondCausality,
     CausalityReport,
@@ -75,7 +75,16 @@ def report_causality(
             for name, _ in plain.of(Storage)
         ),
         reductions=reductions,
-        loops=tuple(_loop(plain, strokes, loop) for loop in equations.loops),
+        loops=tuple(
+            LoopReport(
+                loop.kind,
+                loop.variables,
+                loop.tearing,
+                loop.solved,
+                remedy(equations, strokes, loop),
+            )
+            for loop in equations.loops
+        ),
         signals=plain.signals,
         input_rates=tuple((s.name, rate.name) for s, rate in equations.input_rates.items()),
         turned=plain.notes,
@@ -194,38 +203,6 @@ def _done(equations: Equations, name: str, state: str, reductions: tuple[Reducti
                 f"seen from {reduction.storage} all together are one {reduction.quantity} of {reduction.value}"
             )
     return "; ".join(said)
-
-
-def _loop(graph: BondGraph, strokes: Mapping[str, list[Stroke]], loop: AlgebraicLoop) -> LoopReport:
-    return LoopReport(
-        loop.kind, loop.variables, loop.tearing, loop.solved, _remedy(graph, strokes, loop)
-    )
-
-
-def _remedy(graph: BondGraph, strokes: Mapping[str, list[Stroke]], loop: AlgebraicLoop) -> str:
-    """Say how a model could do without a loop."""
-    inside = _elements(graph, loop)
-    if loop.kind != "algebraic loop":
-        stores = [name for name, _ in graph.of(Storage) if name in inside]
-        named = " and ".join(stores) or "its storages"
-        return f"join {named} into one storage, or put a compliance or resistance between them"
-    ways = []
-    for name, element in inside.items():
-        if isinstance(element, R) and (element.effort is None) != (element.flow is None):
-            gives = "effort" if element.effort is not None else "flow"
-            asked = "effort" if strokes[name][0].effort_out_of == name else "flow"
-            if gives != asked:
-                ways.append(f"give R {name!r} its law as {asked}=")
-    ways += [f"add a C at 0-junction {n!r}" for n, e in inside.items() if isinstance(e, Zero)][:2]
-    ways += [f"add an I at 1-junction {n!r}" for n, e in inside.items() if isinstance(e, One)][:2]
-    return ", or ".join(ways) or "add a compliance or inertia in it"
-
-
-def _elements(graph: BondGraph, loop: AlgebraicLoop) -> Mapping[str, object]:
-    """Return the elements whose variables are in a loop."""
-    names = [variable.removeprefix("der(").removeprefix("rate(") for variable in loop.variables]
-    found = {name.rstrip(")").rpartition(".")[0] for name in names}
-    return {name: element for name, element in graph.elements.items() if name in found}
 
 
 def _parts(graph: BondGraph) -> tuple[tuple[str, ...], ...]:

@@ -26,6 +26,7 @@ from .pieces import (
     Tag,
     captioned,
     ends_of,
+    number_spot,
     tagged,
 )
 from .plan import DOWN, LEFT, OPPOSITE, RIGHT, UP, Part, Plan, sides_for
@@ -339,6 +340,7 @@ def _tags(
     for line in lines.values():
         crossed += [centred(2.0, 2.0, point) for point in samples(line, 3.0)]
         crossed += [centred(2 * REACH, 2 * REACH, end) for end in (line[0], line[-1])]
+        crossed.append(centred(14.0, 12.0, number_spot(line)))
     found: list[Tag] = []
     for index, (tail, head) in enumerate(scene.ports):
         for words, way in ((tail, lines[index]), (head, lines[index][::-1])):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass, replace
 
@@ -197,12 +198,34 @@ def captioned(node: Node, crossed: Sequence[Box], busy: Collection[str] = ()) ->
     return replace(node, caption=boxes[covers.index(min(covers))])
 
 
+def across_of(start: Point, end: Point) -> Point:
+    """Return the unit vector across a line.
+
+    Examples
+    --------
+    >>> across_of((0, 0), (4, 0))
+    (0.0, 1.0)
+    """
+    whole = length(start, end) or 1.0
+    return (start[1] - end[1]) / whole, (end[0] - start[0]) / whole
+
+
+def number_spot(points: Sequence[Point]) -> Point:
+    """Return where a bond's number stands: beside its middle, away from the barb."""
+    first, second = max(itertools.pairwise(points), key=lambda pair: length(*pair))
+    across = across_of(first, second)
+    if across[1] > 0 or (abs(across[1]) < 1e-9 and across[0] > 0):
+        across = (-across[0], -across[1])
+    middle = ((first[0] + second[0]) / 2, (first[1] + second[1]) / 2)
+    return middle[0] + 9 * across[0], middle[1] + 9 * across[1]
+
+
 def tagged(bond: str, words: str, way: Sequence[Point], crossed: Sequence[Box], size: float) -> Tag:
     """Put a port's name beside the bond, near the field at the way's start, where nothing stands."""
     width, height = text_width(words, size), size + 1
     start, end = way[0], way[1]
-    whole = length(start, end) or 1.0
-    across = ((start[1] - end[1]) / whole, (end[0] - start[0]) / whole)
+    whole = length(start, end)
+    across = across_of(start, end)
     off = (abs(across[0]) * width + abs(across[1]) * height) / 2
     spots = [
         (towards(start, end, share * whole), sign * (off + gap))

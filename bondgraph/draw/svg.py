@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Iterable
 from xml.sax.saxutils import escape, quoteattr
 
@@ -13,9 +12,9 @@ from ..elements import Element
 from ..equations.accounts import pseudo_elements
 from ..errors import GraphError
 from ..graph import BondGraph
-from .geometry import Point, length, text_width, towards
+from .geometry import Point, text_width, towards
 from .layout import layout
-from .pieces import CAPTION, LABEL, TAG, Drawing, Line, Node, Tag
+from .pieces import CAPTION, LABEL, TAG, Drawing, Line, Node, Tag, across_of, number_spot
 from .scene import Scene, scene_of
 
 FONT = "STIX Two Text, STIXGeneral, Times New Roman, Times, serif"
@@ -146,7 +145,7 @@ def _half_arrow(points: tuple[Point, ...]) -> str:
     """Draw the barb at the head, below a level bond and to the right of an upright one."""
     tip, before = points[-1], points[-2]
     back = towards(tip, before, BARB[0])
-    across = _across(before, tip)
+    across = across_of(before, tip)
     if across[1] < 0 or (abs(across[1]) < 1e-9 and across[0] < 0):
         across = (-across[0], -across[1])
     barb = (back[0] + BARB[1] * across[0], back[1] + BARB[1] * across[1])
@@ -156,34 +155,23 @@ def _half_arrow(points: tuple[Point, ...]) -> str:
 def _stroke(points: tuple[Point, ...]) -> str:
     """Draw the causal stroke across the last point."""
     tip = points[-1]
-    across = _across(points[-2], tip)
+    across = across_of(points[-2], tip)
     ends = [
         (tip[0] + sign * STROKE * across[0], tip[1] + sign * STROKE * across[1]) for sign in (-1, 1)
     ]
     return _polyline("stroke", ends, ' stroke-width="2.2"')
 
 
-def _across(start: Point, end: Point) -> Point:
-    """Return the unit vector across a line."""
-    whole = length(start, end) or 1.0
-    return (start[1] - end[1]) / whole, (end[0] - start[0]) / whole
-
-
 def _number(number: int, points: tuple[Point, ...]) -> str:
     """Write a bond's number beside its middle, away from the barb."""
-    first, second = max(itertools.pairwise(points), key=lambda pair: length(*pair))
-    across = _across(first, second)
-    if across[1] > 0 or (abs(across[1]) < 1e-9 and across[0] > 0):
-        across = (-across[0], -across[1])
-    middle = ((first[0] + second[0]) / 2, (first[1] + second[1]) / 2)
-    at = (middle[0] + 9 * across[0], middle[1] + 9 * across[1])
+    at = number_spot(points)
     return _text(str(number), at, CAPTION - 2, "number")
 
 
 def _signal(line: Line) -> str:
     """Draw a modulation: thin, dashed, with a full arrow head."""
     tip, before = line.points[-1], line.points[-2]
-    back, across = towards(tip, before, 8.0), _across(before, tip)
+    back, across = towards(tip, before, 8.0), across_of(before, tip)
     wings = [
         (back[0] + sign * 3.2 * across[0], back[1] + sign * 3.2 * across[1]) for sign in (-1, 1)
     ]

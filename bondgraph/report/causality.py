@@ -52,7 +52,7 @@ def _bonds(report: CausalityReport) -> Table:
 def _junctions(report: CausalityReport) -> Table:
     rows = tuple(
         (
-            f"{item.kind} {item.junction}",
+            f"{item.kind}\u00a0{item.junction}",
             item.shared,
             item.decided_by,
             item.because,
