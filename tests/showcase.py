@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import random
+
 import sympy
 
 from bondgraph import (
@@ -149,3 +151,42 @@ GRAPHS = {
         pump,
     )
 }
+
+
+def mixture(seed):
+    """Draw a tree of junctions with elements of all kinds hanging on it, a field and a lag."""
+    draw = random.Random(seed)
+    nodes = [draw.choice([One, Zero])(f"j{k}") for k in range(draw.randint(3, 6))]
+    parts = [nodes[draw.randrange(k)] >> node for k, node in enumerate(nodes) if k]
+    for place, node in enumerate(nodes):
+        for number in range(draw.randint(1, 3)):
+            parts.append(_hung(draw, node, f"{place}_{number}"))
+    field = CField("field", "abc", stiffness=[[3, 1, 0], [1, 3, 1], [0, 1, 3]])
+    if draw.random() < 0.5:
+        field = IField("field", ("primary", "secondary"), inertance=[[2, 1], [1, 2]])
+    parts += [draw.choice(nodes) >> port for port in field]
+    shared = nodes[0].e if isinstance(nodes[0], Zero) else nodes[0].f
+    lag = Lag("lag", shared, 2)
+    return assemble("mixture", parts, lag, nodes[0] >> R("heard", 1 + lag.y**2))
+
+
+def _hung(draw, node, number):
+    """Bond one element, drawn at random, to a junction."""
+    if draw.random() < 0.1:
+        warm = Zero(f"temperature{number}")
+        return node >> RS(f"rub{number}", 3) >> warm >> C(f"heat{number}", 4, initial=300)
+    sensor = De if isinstance(node, Zero) else Df
+    kinds = [
+        lambda: R(f"r{number}", 2),
+        lambda: C(f"c{number}", 3),
+        lambda: I(f"i{number}", 2),
+        lambda: Se(f"e{number}", 1),
+        lambda: Sf(f"f{number}", 1),
+        lambda: Diode(f"diode{number}"),
+        lambda: Switch(f"switch{number}", closed=TIME - 1),
+        lambda: Friction(f"friction{number}", kinetic=lambda speed: 3),
+        lambda: CheckValve(f"valve{number}", resistance=2),
+        lambda: sensor(f"sensor{number}"),
+    ]
+    element = draw.choice(kinds)()
+    return element >> node if isinstance(element, Se | Sf) else node >> element

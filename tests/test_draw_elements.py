@@ -26,6 +26,21 @@ def drawing(causal):
     return layout(causal)
 
 
+def check_places(drawing):
+    """Nothing stands on anything else."""
+    assert_no_labels_overlap(drawing)
+    tags = [tag.box for tag in drawing.tags]
+    for first, second in itertools.combinations(tags, 2):
+        assert not first.overlaps(second)
+    for tag in tags:
+        assert not any(tag.overlaps(box) for _, box in boxes(drawing))
+    texts = [*(box for _, box in boxes(drawing)), *tags]
+    for line in (*drawing.bonds, *drawing.signals):
+        for box in texts:
+            inner = box.grown(-1)
+            assert not any(inner.contains(point) for point in samples(line.points, 3)), line.name
+
+
 def drawn(graph):
     """Label by node, and the root of the picture."""
     root = ET.fromstring(to_svg(graph))
@@ -38,22 +53,19 @@ def drawn(graph):
 
 
 class TestPlaces:
-    def test_nothing_overlaps(self, drawing):
-        assert_no_labels_overlap(drawing)
-        tags = [tag.box for tag in drawing.tags]
-        for first, second in itertools.combinations(tags, 2):
-            assert not first.overlaps(second)
-        for tag in tags:
-            assert not any(tag.overlaps(box) for _, box in boxes(drawing))
+    def test_nothing_stands_on_anything(self, drawing):
+        check_places(drawing)
 
-    def test_no_line_crosses_a_label_or_a_port_name(self, drawing):
-        texts = [*(box for _, box in boxes(drawing)), *(tag.box for tag in drawing.tags)]
-        for line in (*drawing.bonds, *drawing.signals):
-            for box in texts:
-                inner = box.grown(-1)
-                assert not any(inner.contains(point) for point in samples(line.points, 3)), (
-                    line.name
-                )
+    @pytest.mark.parametrize("seed", range(12))
+    def test_nor_where_all_kinds_are_mixed(self, seed):
+        graph = showcase.mixture(seed)
+        drawing = layout(graph)
+        check_places(drawing)
+        assert len(drawing.bonds) == len(graph.bonds)
+        ports = [name for name in graph.elements if name.startswith("field.")]
+        assert sorted(tag.words for tag in drawing.tags) == sorted(
+            p.removeprefix("field.") for p in ports
+        )
 
     def test_every_element_and_bond_is_drawn_once(self, causal):
         root = ET.fromstring(to_svg(causal))

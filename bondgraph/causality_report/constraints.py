@@ -35,10 +35,11 @@ class Constraints:
 
     def _owners(self) -> Iterator[tuple[sympy.Basic, str]]:
         equations = self._equations
+        states = set(equations.states)
         for name, _ in equations.graph.of((Storage, SignalBlock)):
             for letter in "qpy":
                 state = equations.ports.get(f"{name}.{letter}")
-                if state in equations.states:
+                if state in states:
                     yield state, name
         for name, element in equations.graph.of((EffortSource, FlowSource)):
             yield (

@@ -14,7 +14,7 @@ from ..errors import BondGraphError
 from ..graph import BondGraph, GraphBond
 
 # No storage is tried in a larger graph, and no more than so many in any.
-MOST_BONDS = 120
+MOST_BONDS = 60
 MOST_TRIALS = 8
 
 

@@ -336,16 +336,17 @@ def _tags(
     scene: Scene, nodes: dict[str, Node], lines: dict[int, tuple[Point, ...]]
 ) -> tuple[Tag, ...]:
     """Name the ports of fields at their bonds."""
-    crossed = [box for node in nodes.values() for box in node.boxes]
+    texts = [box for node in nodes.values() for box in node.boxes]
+    crossed: list[Box] = []
     for line in lines.values():
         crossed += [centred(2.0, 2.0, point) for point in samples(line, 3.0)]
         crossed += [centred(2 * REACH, 2 * REACH, end) for end in (line[0], line[-1])]
         crossed.append(centred(14.0, 12.0, number_spot(line)))
     found: list[Tag] = []
-    for index, (tail, head) in enumerate(scene.ports):
-        for words, way in ((tail, lines[index]), (head, lines[index][::-1])):
+    for index, ports in enumerate(scene.ports):
+        for words, way in zip(ports, (lines[index], lines[index][::-1]), strict=True):
             if words:
-                tag = tagged(scene.bonds[index].name, words, way, crossed, TAG)
+                tag = tagged(scene.bonds[index].name, words, way, texts, crossed, TAG)
                 found.append(tag)
-                crossed.append(tag.box)
+                texts.append(tag.box)
     return tuple(found)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass, replace
 
@@ -220,21 +221,40 @@ def number_spot(points: Sequence[Point]) -> Point:
     return middle[0] + 9 * across[0], middle[1] + 9 * across[1]
 
 
-def tagged(bond: str, words: str, way: Sequence[Point], crossed: Sequence[Box], size: float) -> Tag:
-    """Put a port's name beside the bond, near the field at the way's start, where nothing stands."""
+def tagged(
+    bond: str,
+    words: str,
+    way: Sequence[Point],
+    texts: Sequence[Box],
+    lines: Sequence[Box],
+    size: float,
+) -> Tag:
+    """Put a port's name beside the bond, near the field at the way's start, where nothing stands.
+
+    Where no place is free it stands on a line sooner than on another text.
+    """
     width, height = text_width(words, size), size + 1
     start, end = way[0], way[1]
     whole = length(start, end)
     across = across_of(start, end)
     off = (abs(across[0]) * width + abs(across[1]) * height) / 2
     spots = [
-        (towards(start, end, share * whole), sign * (off + gap))
-        for share in (0.4, 0.5, 0.3, 0.6, 0.7, 0.8)
+        (x + sign * (off + gap) * across[0], y + sign * (off + gap) * across[1])
+        for gap in (4.0, 8.0, 12.0, 18.0, 26.0)
+        for x, y in (towards(start, end, share * whole) for share in (0.4, 0.5, 0.3, 0.6, 0.7, 0.8))
         for sign in (-1, 1)
-        for gap in (4.0, 8.0, 12.0)
     ]
-    boxes = [
-        centred(width, height, (x + far * across[0], y + far * across[1])) for (x, y), far in spots
+    # in a crowd: as near as there is room
+    x, y = towards(start, end, 0.4 * whole)
+    turns = [math.tau * turn / 16 for turn in range(16)]
+    spots += [
+        (x + (far + width / 2) * math.cos(turn), y + far * math.sin(turn))
+        for far in range(10, 90, 8)
+        for turn in turns
     ]
-    covers = [sum(box.overlaps(other) for other in crossed) for box in boxes]
+    boxes = [centred(width, height, spot) for spot in spots]
+    covers = [
+        (sum(box.overlaps(text) for text in texts), sum(box.overlaps(line) for line in lines))
+        for box in boxes
+    ]
     return Tag(bond, words, boxes[covers.index(min(covers))])

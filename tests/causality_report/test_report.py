@@ -388,3 +388,20 @@ class TestRest:
         assert storages == {name for name, item in graph.elements.items() if item.kind in "CI"}
         for row, other in itertools.combinations(report.modes, 2):
             assert row.modes != other.modes
+
+    def test_mixtures_of_all_kinds_are_told(self):
+        told = 0
+        for seed in range(30):
+            graph = showcase.mixture(seed)
+            try:
+                equations = derive(graph)
+            except BondGraphError:
+                continue  # two sources on one junction, and the like
+            report = report_causality(equations)
+            told += 1
+            assert to_text(report).count("\n") > len(graph.bonds)
+            always = {item.state for item in report.dependent}
+            for row in report.modes:
+                assert not {bound.state for bound in row.bound} & always
+                assert all(bound.bound_by for bound in row.bound)
+        assert told >= 15
