@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from .causality import CausalGraph, assign_causality
+    from .causality_report import CausalityReport, report_causality
     from .elements import (
         GY,
         RS,
@@ -56,6 +57,7 @@ _HOME = {
     "C": "elements",
     "CField": "elements",
     "CausalGraph": "causality",
+    "CausalityReport": "causality_report",
     "CheckValve": "elements",
     "Clutch": "elements",
     "CompiledModel": "simulation",
@@ -97,6 +99,7 @@ _HOME = {
     "linearize": "linear",
     "load": "files",
     "routh_hurwitz": "symbolic",
+    "report_causality": "causality_report",
     "save": "files",
     "simulate": "simulation",
     "smoothed": "modes",
@@ -112,6 +115,7 @@ __all__ = [
     "BondGraphError",
     "C",
     "CausalGraph",
+    "CausalityReport",
     "CField",
     "CheckValve",
     "Clutch",
@@ -139,6 +143,7 @@ __all__ = [
     "Output",
     "Parameter",
     "R",
+    "report_causality",
     "RField",
     "RS",
     "routh_hurwitz",

@@ -12,11 +12,15 @@ from typing import Any
 
 import sympy
 
+from . import describe
+from .causality_report import report_causality
+from .causality_report.as_json import findings
 from .codegen.program import Program
 from .codegen.to_latex import align, latex, latex_name, latex_names
-from .dimensions import infer, si_unit
+from .dimensions import Dimensions, infer, si_unit
 from .equations import Equations
 from .errors import ParameterError
+from .graph import BondGraph
 
 # Above these a model's rates are not expanded: states, and operations in all rates together.
 EXPANDED_STATES = 40
@@ -107,8 +111,9 @@ def to_text(equations: Equations) -> str:
     -------
     str
         Sections: states, inputs, intermediate variables in order, state
-        equations, algebraic equations, contacts, dependent storage, outputs,
-        loops and warnings. What a model does not have is left out.
+        equations, algebraic equations, contacts, switching elements, signal
+        blocks, energies of fields, dependent storage, outputs, loops and
+        warnings. What a model does not have is left out.
 
     Examples
     --------
@@ -132,7 +137,7 @@ def to_text(equations: Equations) -> str:
     State equations, expanded
       der(c.q) = 1/2 - c.q/6
     """
-    units = infer(equations.graph).units
+    units = dimensions_of(equations.graph).units
     count = len(equations.states)
     title = f"{equations.name}: {count} state{'s' * (count != 1)}"
     algebraic = len(equations.algebraic)
@@ -156,6 +161,12 @@ def to_text(equations: Equations) -> str:
             [*(_line(symbol.name, value) for symbol, value in shared.items()), *_rates(rates)],
         ),
         ("Contacts", list(_contacts(equations))),
+        ("Switching elements", describe.switch_lines(equations)),
+        ("Signal blocks", describe.block_lines(equations)),
+        (
+            "Energies of fields",
+            [_line(name, value) for name, value in describe.field_energies(equations).items()],
+        ),
         (
             "Dependent storage, no states of their own",
             [
@@ -172,6 +183,14 @@ def to_text(equations: Equations) -> str:
     ]
     blocks = [_section(heading, lines) for heading, lines in sections if lines]
     return "\n\n".join([title, *blocks])
+
+
+def dimensions_of(graph: BondGraph) -> Dimensions:
+    """Infer units; none where a kind of element has laws that cannot be read for units yet."""
+    try:
+        return infer(graph)
+    except AssertionError:
+        return Dimensions({}, {})
 
 
 def _section(heading: str, lines: Iterable[str]) -> str:
@@ -210,6 +229,8 @@ def _needed(
         results = [*equations.derivatives, *equations.residuals, *equations.outputs.values()]
         results += [*equations.dependent.values(), *_contact_variables(equations)]
         results += [item.breakaway for item in equations.contacts]
+        results += sorted(describe.switch_variables(equations), key=str)
+        results += describe.field_energies(equations).values()
     arguments = [("all", sorted(equations.arguments, key=str))]
     program = Program.pruned("shown", arguments, equations.assignments, {"results": results})
     return program.assignments
@@ -251,7 +272,9 @@ def to_latex(equations: Equations) -> str:
     str
         An ``align*`` environment for amsmath or MathJax: the state equations
         expanded (slip and effort of contacts keep their names), or for a large
-        model all assignments; then algebraic equations and dependent storage.
+        model all assignments; then algebraic equations, switching elements and
+        dependent storage. What is zero for a switching element is given case
+        by case: its modes, each while its margin is positive.
 
     Examples
     --------
@@ -267,10 +290,12 @@ def to_latex(equations: Equations) -> str:
     if found is None:
         rows = _latex_rows(_needed(equations), names)
         rates = dict(zip(equations.states, equations.derivatives, strict=True))
-        residuals, dependent = list(equations.residuals), dict(equations.dependent)
+        residuals = [*equations.residuals, *describe.switch_cases(equations)]
+        dependent = dict(equations.dependent)
     else:
         rows, rates = _latex_rows(found[0].items(), names), found[1]
-        residuals = [equations.substituted(value) for value in equations.residuals]
+        zeros = (*equations.residuals, *describe.switch_cases(equations))
+        residuals = [equations.substituted(value) for value in zeros]
         dependent = {
             name: equations.substituted(value) for name, value in equations.dependent.items()
         }
@@ -313,7 +338,10 @@ def to_json(equations: Equations, values: Mapping[str, float] | None = None) -> 
     dict
         Expressions are text in sympy's notation, values and units are SI. The
         rates of a small model are expanded and ``assignments`` is empty; those
-        of a large one rest on ``assignments``, which are in order.
+        of a large one rest on ``assignments``, which are in order. ``switches``
+        tells the modes of switching elements, ``energies`` those of fields;
+        ``storages``, ``reductions``, ``loops``, ``signals`` and ``input_rates``
+        are as `bondgraph.causality_report.to_json` describes them.
 
     Examples
     --------
@@ -352,6 +380,11 @@ def to_json(equations: Equations, values: Mapping[str, float] | None = None) -> 
             for stroke in equations.causal.strokes
         ],
         "warnings": list(equations.warnings),
+        "switches": describe.switches_json(equations),
+        "energies": {
+            name: str(value) for name, value in describe.field_energies(equations).items()
+        },
+        **findings(report_causality(equations, modes=False)),
     }
 
 

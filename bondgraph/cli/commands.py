@@ -36,26 +36,34 @@ def models(as_json: bool) -> None:
 @click.option(
     "--svg", type=click.Path(dir_okay=False, path_type=Path), help="Draw the graph into this file."
 )
+@click.option(
+    "--causality",
+    "report",
+    is_flag=True,
+    help="Instead: all that causality decided, why, and what was done about it.",
+)
 @opt.json_option
 @opt.debug_option
-def show(model: str, svg: Path | None, as_json: bool) -> None:
+def show(model: str, svg: Path | None, report: bool, as_json: bool) -> None:
     """Show a model: elements, bonds with their causality, parameters."""
     from bondgraph.causality import assign_causality
 
     from .load import load_model
-    from .show import as_json_object, as_tables
+    from .show import as_json_object, as_tables, print_causality
 
     causal = assign_causality(load_model(model))
     if svg is not None:
         from bondgraph.draw import to_svg
 
         svg.write_text(to_svg(causal), encoding="utf-8")
-    if as_json:
+    if report:
+        print_causality(causal, as_json)
+    elif as_json:
         opt.print_json(as_json_object(causal))
     else:
         as_tables(causal)
-        if svg is not None:
-            click.echo(f"drawing: {svg}")
+    if svg is not None and not as_json:
+        click.echo(f"drawing: {svg}")
 
 
 @click.command()

@@ -5,16 +5,20 @@ from __future__ import annotations
 import sys
 from typing import TYPE_CHECKING, Any
 
+import click
 import sympy
 from rich.console import Console
 from rich.table import Table
 
 from bondgraph.causality import CausalGraph
+from bondgraph.describe import mode_words
 from bondgraph.dimensions import si_unit
-from bondgraph.elements import Element, Storage
+from bondgraph.elements import DryFriction, Element, SignalBlock, Storage, Switched
 from bondgraph.graph import BondGraph
 from bondgraph.parameters import resolve
 from bondgraph.simulation import Trajectory
+
+from .options import print_json
 
 if TYPE_CHECKING:
     from bondgraph.stability import StabilityResult
@@ -90,6 +94,17 @@ def as_tables(causal: CausalGraph) -> None:
         console.print(f"note: {line}", markup=False)
 
 
+def print_causality(causal: CausalGraph, as_json: bool) -> None:
+    """Print what `bondgraph show --causality` does."""
+    from bondgraph.causality_report import report_causality, to_json, to_text
+
+    report = report_causality(causal)
+    if as_json:
+        print_json(to_json(report))
+    else:
+        click.echo(to_text(report))
+
+
 def _print_parameters(console: Console, causal: CausalGraph) -> None:
     graph = causal.graph
     if not graph.parameters:
@@ -115,7 +130,11 @@ def _laws(graph: BondGraph) -> dict[str, str]:
 
 def _law(element: Element, foreign: dict[sympy.Basic, sympy.Basic]) -> str:
     plain = foreign | {symbol: sympy.Symbol(key) for key, symbol in element.symbols.items()}
+    if isinstance(element, Switched) and not isinstance(element, DryFriction):
+        return mode_words(element, plain)
     shown = {key: law.xreplace(plain) for key, law in element.laws.items()}
+    if isinstance(element, SignalBlock):
+        return f"der(y) = {shown['rate']}"
     if isinstance(element, Storage):
         return f"{'e' if element.kind == 'C' else 'f'} = {shown['law']}"
     names = {"effort": "e", "flow": "f", "kinetic": "abs(e)", "ratio": "ratio"}

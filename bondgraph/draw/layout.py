@@ -11,29 +11,33 @@ from collections import Counter
 from collections.abc import Iterable, Sequence
 
 from ..causality import CausalGraph
-from ..elements import Junction, OnePort
 from ..graph import BondGraph, Signal
-from .geometry import Point, centred, hull, length, samples, text_width
+from .geometry import Box, Point, centred, hull, length, samples, text_width
 from .pieces import (
     CLEAR,
     LABEL,
     REACH,
     STEP,
+    TAG,
     Drawing,
     Line,
     Node,
     Piece,
+    Tag,
     captioned,
     ends_of,
-    label_of,
+    number_spot,
+    tagged,
 )
 from .plan import DOWN, LEFT, OPPOSITE, RIGHT, UP, Part, Plan, sides_for
 from .route import Router
+from .scene import Role, Scene, scene_of
 
 BOND = 44.0  # shortest visible bond
 PUSHES = 200  # steps outward after which a piece stays where it is
 TURNED = 80  # parts with more elements keep their branches as they come
 GAP = 14.0  # between what does not belong together
+FRAME = 5.0  # between a signal block's label and its box
 NOWHERE: frozenset[str] = frozenset()
 
 
@@ -58,31 +62,32 @@ def layout(graph: BondGraph | CausalGraph) -> Drawing:
     True
     """
     plain = graph.graph if isinstance(graph, CausalGraph) else graph
-    plan = Plan(plain)
+    scene = scene_of(plain)
+    plan = Plan(scene)
     lower = {name: number for number, part in enumerate(plan.parts) for name in part.names}
     lifted = frozenset(
         end
-        for signal in plain.signals
+        for signal in scene.signals
         for end, other in ((signal.source, signal.target), (signal.target, signal.source))
         if lower[end] > lower[other]
     )
     placed = Piece()
     for part in plan.parts:
-        piece = _Pieces(plain, part, lifted).narrowest()
-        piece.move(*_below(placed, piece, plain.signals))
+        piece = _Pieces(scene, part, lifted).narrowest()
+        piece.move(*_below(placed, piece, scene.signals))
         placed.take(piece)
-    return _drawing(plain, plan, placed)
+    return _drawing(scene, plan, placed)
 
 
 class _Pieces:
     """Lays out one part."""
 
-    def __init__(self, graph: BondGraph, part: Part, lifted: frozenset[str]) -> None:
-        self.graph = graph
+    def __init__(self, scene: Scene, part: Part, lifted: frozenset[str]) -> None:
+        self.figures = scene.figures
+        self.roles = {name: figure.role for name, figure in scene.figures.items()}
         self.part = part
         self.lifted = lifted
-        self.modulated = frozenset(signal.target for signal in graph.signals)
-        self.degree = Counter(end for bond in graph.bonds for end in (bond.tail, bond.head))
+        self.degree = Counter(end for bond in scene.bonds for end in (bond.tail, bond.head))
         self.mirrored: set[str] = set()
         self.sideways = [RIGHT, LEFT]
 
@@ -92,9 +97,7 @@ class _Pieces:
         if len(self.part.names) > TURNED:
             return best
         for name in self.part.row:
-            if all(
-                isinstance(self.graph.elements[item], OnePort) for item in self.part.children[name]
-            ):
+            if not any(self.roles[item].is_core for item in self.part.children[name]):
                 continue
             self.mirrored.add(name)
             turned = self.row()
@@ -112,7 +115,7 @@ class _Pieces:
         for number, name in enumerate(row):
             first, last = number == 0, number == len(row) - 1
             outward = [LEFT] * first + [RIGHT] * last
-            free = [UP, DOWN, *outward] if self._is_junction(name) else outward
+            free = [UP, DOWN, *outward] if self.roles[name].spreads else outward
             self.sideways = [LEFT, RIGHT] if name in self.mirrored else [RIGHT, LEFT]
             piece = self._piece(name, free, outward)
             if not first:
@@ -122,9 +125,6 @@ class _Pieces:
             if not first:
                 whole.join(self.part.bond_to[row[number - 1], name], row[number - 1], name)
         return whole
-
-    def _is_junction(self, name: str) -> bool:
-        return isinstance(self.graph.elements[name], Junction)
 
     def _next(self, whole: Piece, before: str, piece: Piece, name: str) -> float:
         """Return how far right the next piece of the row must stand."""
@@ -146,35 +146,37 @@ class _Pieces:
         node = self._node(name)
         piece.nodes[name] = node
         items = self.part.children[name]
-        sides = sides_for(self.graph.elements, items, free, outward, self.lifted)
+        sides = sides_for(self.roles, items, free, outward, self.lifted)
         for side in sorted(sides, key=lambda side: side in outward):
             if sides[side]:
                 self._place(piece, name, side, sides[side], back)
         crossed = list(piece.solid)
         piece.solid.append(node.box)
-        if not isinstance(self.graph.elements[name], OnePort):
+        if self.roles[name].is_core:
             busy = back.union(side for side in sides if sides[side])
             piece.nodes[name] = captioned(node, crossed, busy)
             piece.solid += piece.nodes[name].boxes[1:]
         return piece
 
     def _node(self, name: str, side: str = "") -> Node:
-        element = self.graph.elements[name]
-        label = label_of(name, element, name in self.modulated)
-        box = centred(text_width(label, LABEL), LABEL)
+        figure = self.figures[name]
+        boxed = figure.role is Role.BLOCK
+        box = centred(text_width(figure.label, LABEL), LABEL)
+        if boxed:
+            box = Box(box.x0 - FRAME, box.y0 - FRAME, box.x1 + FRAME, box.y1 + FRAME)
         clear = min(CLEAR + 1.5 * max(0, self.degree[name] - 4), 18.0)
-        return Node(name, label, (0.0, 0.0), box, None, side, clear)
+        return Node(name, figure.label, (0.0, 0.0), box, None, side, clear, boxed)
 
     def _hanging(self, name: str, side: str, back: frozenset[str]) -> Piece:
         """Lay out one item that hangs on a side of its parent."""
-        if isinstance(self.graph.elements[name], OnePort):
+        if not self.roles[name].is_core:
             piece = Piece()
             piece.nodes[name] = self._node(name, side)
             piece.solid.append(piece.nodes[name].box)
             return piece
         back = back | {OPPOSITE[side]}
         free = [side]
-        if self._is_junction(name):
+        if self.roles[name].spreads:
             free = [s for s in dict.fromkeys((side, DOWN, UP, *self.sideways)) if s not in back]
         return self._piece(name, free, [side], back)
 
@@ -300,29 +302,51 @@ def _settle_captions(nodes: dict[str, Node], lines: Iterable[Sequence[Point]]) -
             nodes[name] = captioned(node, crossed)
 
 
-def _drawing(graph: BondGraph, plan: Plan, placed: Piece) -> Drawing:
+def _drawing(scene: Scene, plan: Plan, placed: Piece) -> Drawing:
     """Draw the straight bonds, then route what is left over."""
     lines: dict[int, tuple[Point, ...]] = {}
-    for index, bond in enumerate(graph.bonds):
+    for index, bond in enumerate(scene.bonds):
         if index in placed.bonds:
             lines[index] = ends_of(placed.nodes[bond.tail], placed.nodes[bond.head])
     nodes = placed.nodes
     router = Router([node.box for node in nodes.values()], lines.values())
     for index in sorted(index for part in plan.parts for index in part.closing):
-        tail, head = nodes[graph.bonds[index].tail], nodes[graph.bonds[index].head]
+        tail, head = nodes[scene.bonds[index].tail], nodes[scene.bonds[index].head]
         lines[index] = router.route(tail.box, head.box, max(tail.clear, head.clear))
     _settle_captions(nodes, lines.values())
+    tags = _tags(scene, nodes, lines)
     labels = [box for node in nodes.values() for box in node.boxes]
+    labels += [tag.box for tag in tags]
     router = Router(labels, lines.values())
-    bonds = tuple(Line(bond.name, lines[index]) for index, bond in enumerate(graph.bonds))
+    bonds = tuple(Line(bond.name, lines[index]) for index, bond in enumerate(scene.bonds))
     signals = tuple(
         Line(
             f"{signal.source}.{signal.variable}>{signal.target}",
             router.route(nodes[signal.source].box, nodes[signal.target].box, 2.0),
         )
-        for signal in graph.signals
+        for signal in scene.signals
     )
     labels += [
         centred(2 * REACH, 2 * REACH, point) for line in (*bonds, *signals) for point in line.points
     ]
-    return Drawing(nodes, bonds, signals, hull(labels))
+    return Drawing(nodes, bonds, signals, hull(labels), tags)
+
+
+def _tags(
+    scene: Scene, nodes: dict[str, Node], lines: dict[int, tuple[Point, ...]]
+) -> tuple[Tag, ...]:
+    """Name the ports of fields at their bonds."""
+    texts = [box for node in nodes.values() for box in node.boxes]
+    crossed: list[Box] = []
+    for line in lines.values():
+        crossed += [centred(2.0, 2.0, point) for point in samples(line, 3.0)]
+        crossed += [centred(2 * REACH, 2 * REACH, end) for end in (line[0], line[-1])]
+        crossed.append(centred(14.0, 12.0, number_spot(line)))
+    found: list[Tag] = []
+    for index, ports in enumerate(scene.ports):
+        for words, way in zip(ports, (lines[index], lines[index][::-1]), strict=True):
+            if words:
+                tag = tagged(scene.bonds[index].name, words, way, texts, crossed, TAG)
+                found.append(tag)
+                texts.append(tag.box)
+    return tuple(found)

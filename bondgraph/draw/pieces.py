@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+import itertools
+import math
 from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass, replace
 
-from ..elements import Element, Friction, Junction, TwoPort
-from .geometry import Box, Point, centred, leaving, samples, text_width, towards
+from .geometry import Box, Point, centred, leaving, length, samples, text_width, towards
 from .plan import DOWN, LEFT, RIGHT, UP
 
-LABEL, CAPTION = 17.0, 12.0  # font sizes
+LABEL, CAPTION, TAG = 17.0, 12.0, 11.0  # font sizes
 CLEAR = 6.0  # between a bond's end and a label
 REACH = 9.0  # how far a half arrow or stroke stands off its bond
 STEP = {UP: (0, -1), DOWN: (0, 1), LEFT: (-1, 0), RIGHT: (1, 0)}
@@ -24,7 +25,7 @@ class Node:
     name : str
         Qualified name.
     label : str
-        ``I : mass`` for a one-port; ``0``, ``1``, ``TF`` or ``GY``.
+        ``I : mass`` for a one-port; ``0``, ``TF``, ``RS``, or ``C`` of a field.
     at : (float, float)
         Centre of the label.
     box : Box
@@ -35,6 +36,8 @@ class Node:
         Side of its neighbour that a one-port stands on; empty for others.
     clear : float
         Space left between the label and the bonds' ends.
+    boxed : bool
+        Whether the box is drawn: a signal block.
     """
 
     name: str
@@ -44,6 +47,7 @@ class Node:
     caption: Box | None = None
     side: str = ""
     clear: float = CLEAR
+    boxed: bool = False
 
     def moved(self, dx: float, dy: float) -> Node:
         """Return the node shifted."""
@@ -83,6 +87,22 @@ class Line:
 
 
 @dataclass(frozen=True)
+class Tag:
+    """A short text at a bond: the name of a field's port.
+
+    Attributes
+    ----------
+    bond : str
+    words : str
+    box : Box
+    """
+
+    bond: str
+    words: str
+    box: Box
+
+
+@dataclass(frozen=True)
 class Drawing:
     """A graph with a place for everything.
 
@@ -94,12 +114,15 @@ class Drawing:
     signals : tuple of Line
     frame : Box
         About everything.
+    tags : tuple of Tag
+        Names of the ports of fields.
     """
 
     nodes: dict[str, Node]
     bonds: tuple[Line, ...]
     signals: tuple[Line, ...]
     frame: Box
+    tags: tuple[Tag, ...] = ()
 
 
 class Piece:
@@ -176,17 +199,62 @@ def captioned(node: Node, crossed: Sequence[Box], busy: Collection[str] = ()) ->
     return replace(node, caption=boxes[covers.index(min(covers))])
 
 
-def label_of(name: str, element: Element, modulated: bool) -> str:
-    """Write an element's label, with M for a modulated one.
+def across_of(start: Point, end: Point) -> Point:
+    """Return the unit vector across a line.
 
     Examples
     --------
-    >>> from bondgraph import One, R
-    >>> label_of("rear.damping", R("damping", 1), False), label_of("v", One("v"), False)
-    ('R : rear.damping', '1')
+    >>> across_of((0, 0), (4, 0))
+    (0.0, 1.0)
     """
-    if isinstance(element, Junction):
-        return element.kind
-    kind = "R" if isinstance(element, Friction) else element.kind
-    kind = f"M{kind}" if modulated else kind
-    return kind if isinstance(element, TwoPort) else f"{kind} : {name}"
+    whole = length(start, end) or 1.0
+    return (start[1] - end[1]) / whole, (end[0] - start[0]) / whole
+
+
+def number_spot(points: Sequence[Point]) -> Point:
+    """Return where a bond's number stands: beside its middle, away from the barb."""
+    first, second = max(itertools.pairwise(points), key=lambda pair: length(*pair))
+    across = across_of(first, second)
+    if across[1] > 0 or (abs(across[1]) < 1e-9 and across[0] > 0):
+        across = (-across[0], -across[1])
+    middle = ((first[0] + second[0]) / 2, (first[1] + second[1]) / 2)
+    return middle[0] + 9 * across[0], middle[1] + 9 * across[1]
+
+
+def tagged(
+    bond: str,
+    words: str,
+    way: Sequence[Point],
+    texts: Sequence[Box],
+    lines: Sequence[Box],
+    size: float,
+) -> Tag:
+    """Put a port's name beside the bond, near the field at the way's start, where nothing stands.
+
+    Where no place is free it stands on a line sooner than on another text.
+    """
+    width, height = text_width(words, size), size + 1
+    start, end = way[0], way[1]
+    whole = length(start, end)
+    across = across_of(start, end)
+    off = (abs(across[0]) * width + abs(across[1]) * height) / 2
+    spots = [
+        (x + sign * (off + gap) * across[0], y + sign * (off + gap) * across[1])
+        for gap in (4.0, 8.0, 12.0, 18.0, 26.0)
+        for x, y in (towards(start, end, share * whole) for share in (0.4, 0.5, 0.3, 0.6, 0.7, 0.8))
+        for sign in (-1, 1)
+    ]
+    # in a crowd: as near as there is room
+    x, y = towards(start, end, 0.4 * whole)
+    turns = [math.tau * turn / 16 for turn in range(16)]
+    spots += [
+        (x + (far + width / 2) * math.cos(turn), y + far * math.sin(turn))
+        for far in range(10, 90, 8)
+        for turn in turns
+    ]
+    boxes = [centred(width, height, spot) for spot in spots]
+    covers = [
+        (sum(box.overlaps(text) for text in texts), sum(box.overlaps(line) for line in lines))
+        for box in boxes
+    ]
+    return Tag(bond, words, boxes[covers.index(min(covers))])

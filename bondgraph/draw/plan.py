@@ -12,8 +12,7 @@ from collections import deque
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
-from ..elements import C, Element, I, Junction, Se, Sf, TwoPort
-from ..graph import BondGraph
+from .scene import Role, Scene
 
 UP, DOWN, LEFT, RIGHT = "up", "down", "left", "right"
 OPPOSITE = {UP: DOWN, DOWN: UP, LEFT: RIGHT, RIGHT: LEFT}
@@ -48,32 +47,32 @@ class Part:
 class Plan:
     """The parts of a graph, the one with the longest row first."""
 
-    def __init__(self, graph: BondGraph) -> None:
-        self.graph = graph
-        self.bonds_at: dict[str, list[int]] = {name: [] for name in graph.elements}
-        for index, bond in enumerate(graph.bonds):
+    def __init__(self, scene: Scene) -> None:
+        self.scene = scene
+        self.bonds_at: dict[str, list[int]] = {name: [] for name in scene.figures}
+        for index, bond in enumerate(scene.bonds):
             self.bonds_at[bond.tail].append(index)
             self.bonds_at[bond.head].append(index)
         self.parts = [self._part(names) for names in self._connected()]
         self.parts.sort(key=lambda part: -len(part.row))
 
     def is_core(self, name: str) -> bool:
-        """Whether an element is a junction or two-port."""
-        return isinstance(self.graph.elements[name], Junction | TwoPort)
+        """Whether bonds go on from a node."""
+        return self.scene.figures[name].role.is_core
 
     def other(self, index: int, name: str) -> str:
         """Return the other end of a bond."""
-        bond = self.graph.bonds[index]
+        bond = self.scene.bonds[index]
         return bond.head if bond.tail == name else bond.tail
 
     def _connected(self) -> list[list[str]]:
         seen: set[str] = set()
         found = []
-        for start in self.graph.elements:
+        for start in self.scene.figures:
             if start not in seen:
-                reached = set(self._distances(start, self.graph.elements))
+                reached = set(self._distances(start, self.scene.figures))
                 seen |= reached
-                found.append([name for name in self.graph.elements if name in reached])
+                found.append([name for name in self.scene.figures if name in reached])
         return found
 
     def _distances(self, start: str, within: Iterable[str]) -> dict[str, tuple[int, str]]:
@@ -101,7 +100,7 @@ class Plan:
         """Put two one-ports that share a bond in the direction of power."""
         bonds = self.bonds_at[names[0]]
         return (
-            [self.graph.bonds[bonds[0]].tail, self.graph.bonds[bonds[0]].head] if bonds else names
+            [self.scene.bonds[bonds[0]].tail, self.scene.bonds[bonds[0]].head] if bonds else names
         )
 
     def _row(self, core: list[str]) -> list[str]:
@@ -127,15 +126,15 @@ class Plan:
         return way[::-1]
 
     def _source_at(self, name: str) -> int:
-        ends = [self.graph.elements[self.other(index, name)] for index in self.bonds_at[name]]
-        return 3 * any(isinstance(end, Se | Sf) for end in ends)
+        ends = [self.scene.figures[self.other(index, name)] for index in self.bonds_at[name]]
+        return 3 * any(end.role is Role.SOURCE for end in ends)
 
     def _oriented(self, row: list[str]) -> list[str]:
         """Turn a row so that power comes from a source at the left."""
         feeds = [self._feeds(row[0]), self._feeds(row[-1])]
         forward = 0
         for first, second in itertools.pairwise(row):
-            bond = self.graph.bonds[self._joint(first, second)]
+            bond = self.scene.bonds[self._joint(first, second)]
             forward += 1 if bond.tail == first else -1
         if feeds[0] != feeds[1]:
             return row if feeds[0] else row[::-1]
@@ -143,9 +142,9 @@ class Plan:
 
     def _feeds(self, name: str) -> bool:
         """Whether a source sends power into an element."""
-        bonds = [self.graph.bonds[index] for index in self.bonds_at[name]]
+        bonds = [self.scene.bonds[index] for index in self.bonds_at[name]]
         return any(
-            bond.head == name and isinstance(self.graph.elements[bond.tail], Se | Sf)
+            bond.head == name and self.scene.figures[bond.tail].role is Role.SOURCE
             for bond in bonds
         )
 
@@ -177,7 +176,7 @@ class Plan:
 
 
 def sides_for(
-    elements: Mapping[str, Element],
+    roles: Mapping[str, Role],
     items: Sequence[str],
     free: Sequence[str],
     outward: Sequence[str],
@@ -187,7 +186,7 @@ def sides_for(
 
     Parameters
     ----------
-    elements : mapping of str to Element
+    roles : mapping of str to Role
     items : sequence of str
         What hangs on the element.
     free : sequence of str
@@ -205,8 +204,7 @@ def sides_for(
 
     Examples
     --------
-    >>> from bondgraph import C, I, R, Se
-    >>> parts = {"m": I("m", 1), "k": C("k", 1), "b": R("b", 1), "F": Se("F", 1)}
+    >>> parts = {"m": Role.INERTIA, "k": Role.COMPLIANCE, "b": Role.OTHER, "F": Role.SOURCE}
     >>> sides_for(parts, list(parts), [UP, DOWN, LEFT, RIGHT], [LEFT, RIGHT])
     {'up': ['m'], 'down': ['k'], 'left': ['F'], 'right': ['b']}
     """
@@ -214,8 +212,8 @@ def sides_for(
         return {side: list(items) if side == outward[0] else [] for side in free}
     taken: dict[str, list[str]] = {side: [] for side in free}
     place = {name: number for number, name in enumerate(items)}
-    for name in sorted(items, key=lambda item: (_rank(elements[item]), place[item])):
-        wishes = _wishes(elements[name], outward)
+    for name in sorted(items, key=lambda item: (_rank(roles[item]), place[item])):
+        wishes = _wishes(roles[name], outward)
         if name in lifted:
             wishes = {UP: -9.0}
         side = min(free, key=lambda option: wishes.get(option, 2.0) + 4.0 * len(taken[option]))
@@ -223,25 +221,22 @@ def sides_for(
     return {side: sorted(names, key=place.__getitem__) for side, names in taken.items()}
 
 
-def _rank(element: Element) -> int:
+def _rank(role: Role) -> int:
     """Order of choice: what is largest or most particular first."""
-    if isinstance(element, Junction | TwoPort):
+    if role.is_core:
         return 0
-    if isinstance(element, Se | Sf):
-        return 1
-    if isinstance(element, I):
-        return 2
-    return 3 if isinstance(element, C) else 4
+    order = (Role.SOURCE, Role.INERTIA, Role.COMPLIANCE)
+    return 1 + order.index(role) if role in order else 4
 
 
-def _wishes(element: Element, outward: Sequence[str]) -> dict[str, float]:
+def _wishes(role: Role, outward: Sequence[str]) -> dict[str, float]:
     """Return how unwelcome each side is; 2 where not named."""
-    if isinstance(element, Junction | TwoPort):
+    if role.is_core:
         return {DOWN: 0.5, UP: 1.0} | dict.fromkeys(outward, 0.0)
-    if isinstance(element, Se | Sf):
+    if role is Role.SOURCE:
         return {DOWN: 2.2, UP: 2.5} | dict.fromkeys(outward, 0.0)
-    if isinstance(element, I):
+    if role is Role.INERTIA:
         return {UP: 0.0, DOWN: 3.0}
-    if isinstance(element, C):
+    if role is Role.COMPLIANCE:
         return {DOWN: 0.0, UP: 3.0}
     return {DOWN: 0.3} | {side: 0.0 for side in outward if side != DOWN}

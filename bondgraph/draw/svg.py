@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Iterable
 from xml.sax.saxutils import escape, quoteattr
 
@@ -10,13 +9,16 @@ import sympy
 
 from ..causality import CausalGraph
 from ..elements import Element
+from ..equations.accounts import pseudo_elements
+from ..errors import GraphError
 from ..graph import BondGraph
-from .geometry import Point, length, text_width, towards
+from .geometry import Point, text_width, towards
 from .layout import layout
-from .pieces import CAPTION, LABEL, Drawing, Line, Node
+from .pieces import CAPTION, LABEL, TAG, Drawing, Line, Node, Tag, across_of, number_spot
+from .scene import Scene, scene_of
 
 FONT = "STIX Two Text, STIXGeneral, Times New Roman, Times, serif"
-INK, MARK = "#000000", "#b3261e"
+INK, MARK, PSEUDO = "#000000", "#b3261e", "#8a5a00"
 BARB = (10.0, 5.5)  # of a half arrow: along the bond, and off it
 STROKE = 8.0  # half the length of a causal stroke
 PAD = 14.0
@@ -37,7 +39,9 @@ def to_svg(graph: BondGraph | CausalGraph, *, numbers: bool = False) -> str:
     str
         A document of its own, which can also stand inside a page of HTML. The
         same graph gives the same text. Storages in derivative causality are
-        framed, in red, and named in a note. Dashed arrows are modulations.
+        framed, in red, and named in a note. Dashed arrows are signals, boxes the
+        blocks that they pass. The ports of a field lead to one node. Pseudo-bonds
+        are brown.
 
     Examples
     --------
@@ -49,29 +53,40 @@ def to_svg(graph: BondGraph | CausalGraph, *, numbers: bool = False) -> str:
     """
     causal = graph if isinstance(graph, CausalGraph) else None
     plain = graph if isinstance(graph, BondGraph) else graph.graph
-    drawing = layout(plain)
+    scene, drawing = scene_of(plain), layout(plain)
     derivative = frozenset(causal.derivative if causal else ())
-    note = f"derivative causality: {', '.join(causal.derivative)}" if causal and derivative else ""
+    pseudo = _pseudo_bonds(plain)
+    notes = [
+        (f"derivative causality: {', '.join(causal.derivative if causal else ())}", MARK)
+    ] * bool(derivative)
+    notes += [("pseudo-bonds: temperature and heat flow", PSEUDO)] * bool(pseudo)
     body = [
-        *_bonds(plain, drawing, causal, derivative, numbers),
+        *_bonds(plain, drawing, causal, derivative, pseudo, numbers),
         *(_signal(line) for line in drawing.signals),
-        *(
-            _node(node, plain.elements[name], name in derivative)
-            for name, node in drawing.nodes.items()
-        ),
+        *(_tag(tag) for tag in drawing.tags),
+        *(_node(node, plain, scene, derivative) for node in drawing.nodes.values()),
     ]
-    width, height, shift = _extent(drawing, note)
-    if note:
-        at = (drawing.frame.x0, drawing.frame.y1 + 2 * PAD)
-        body.append(_text(note, at, CAPTION, "note", anchor="start", fill=MARK))
+    width, height, shift = _extent(drawing, [words for words, _ in notes])
+    for number, (words, colour) in enumerate(notes):
+        at = (drawing.frame.x0, drawing.frame.y1 + (2 + 1.2 * number) * PAD)
+        body.append(_text(words, at, CAPTION, "note", anchor="start", fill=colour))
     return "\n".join([*_head(plain, causal, width, height, shift), *body, "</g>", "</svg>", ""])
 
 
-def _extent(drawing: Drawing, note: str) -> tuple[float, float, Point]:
+def _pseudo_bonds(graph: BondGraph) -> frozenset[str]:
+    """Return the bonds whose flow is heat; none where the graph uses them wrongly."""
+    try:
+        pseudo = pseudo_elements(graph)
+    except GraphError:
+        return frozenset()
+    return frozenset(bond.name for bond in graph.bonds if {bond.tail, bond.head} <= pseudo)
+
+
+def _extent(drawing: Drawing, notes: list[str]) -> tuple[float, float, Point]:
     """Return width and height of the picture, and the shift that puts its corner at zero."""
     frame = drawing.frame
-    width = max(frame.x1 - frame.x0, text_width(note, CAPTION)) + 2 * PAD
-    height = frame.y1 - frame.y0 + 2 * PAD + (2 * PAD if note else 0)
+    width = max([frame.x1 - frame.x0, *(text_width(note, CAPTION) for note in notes)]) + 2 * PAD
+    height = frame.y1 - frame.y0 + 2 * PAD + (0.8 + 1.2 * len(notes)) * PAD * bool(notes)
     return width, height, (PAD - frame.x0, PAD - frame.y0)
 
 
@@ -102,11 +117,15 @@ def _bonds(
     drawing: Drawing,
     causal: CausalGraph | None,
     derivative: frozenset[str],
+    pseudo: frozenset[str],
     numbers: bool,
 ) -> Iterable[str]:
     for index, (bond, line) in enumerate(zip(graph.bonds, drawing.bonds, strict=True)):
-        marked = {bond.tail, bond.head} & derivative
-        colour = f' stroke="{MARK}"' if marked else ""
+        colour = ""
+        if {bond.tail, bond.head} & derivative:
+            colour = f' stroke="{MARK}"'
+        elif bond.name in pseudo:
+            colour = f' stroke="{PSEUDO}"'
         parts = [_polyline("bond", line.points), _half_arrow(line.points)]
         if causal is not None:
             at_head = causal.strokes[index].flow_out_of == bond.head
@@ -126,7 +145,7 @@ def _half_arrow(points: tuple[Point, ...]) -> str:
     """Draw the barb at the head, below a level bond and to the right of an upright one."""
     tip, before = points[-1], points[-2]
     back = towards(tip, before, BARB[0])
-    across = _across(before, tip)
+    across = across_of(before, tip)
     if across[1] < 0 or (abs(across[1]) < 1e-9 and across[0] < 0):
         across = (-across[0], -across[1])
     barb = (back[0] + BARB[1] * across[0], back[1] + BARB[1] * across[1])
@@ -136,34 +155,23 @@ def _half_arrow(points: tuple[Point, ...]) -> str:
 def _stroke(points: tuple[Point, ...]) -> str:
     """Draw the causal stroke across the last point."""
     tip = points[-1]
-    across = _across(points[-2], tip)
+    across = across_of(points[-2], tip)
     ends = [
         (tip[0] + sign * STROKE * across[0], tip[1] + sign * STROKE * across[1]) for sign in (-1, 1)
     ]
     return _polyline("stroke", ends, ' stroke-width="2.2"')
 
 
-def _across(start: Point, end: Point) -> Point:
-    """Return the unit vector across a line."""
-    whole = length(start, end) or 1.0
-    return (start[1] - end[1]) / whole, (end[0] - start[0]) / whole
-
-
 def _number(number: int, points: tuple[Point, ...]) -> str:
     """Write a bond's number beside its middle, away from the barb."""
-    first, second = max(itertools.pairwise(points), key=lambda pair: length(*pair))
-    across = _across(first, second)
-    if across[1] > 0 or (abs(across[1]) < 1e-9 and across[0] > 0):
-        across = (-across[0], -across[1])
-    middle = ((first[0] + second[0]) / 2, (first[1] + second[1]) / 2)
-    at = (middle[0] + 9 * across[0], middle[1] + 9 * across[1])
+    at = number_spot(points)
     return _text(str(number), at, CAPTION - 2, "number")
 
 
 def _signal(line: Line) -> str:
     """Draw a modulation: thin, dashed, with a full arrow head."""
     tip, before = line.points[-1], line.points[-2]
-    back, across = towards(tip, before, 8.0), _across(before, tip)
+    back, across = towards(tip, before, 8.0), across_of(before, tip)
     wings = [
         (back[0] + sign * 3.2 * across[0], back[1] + sign * 3.2 * across[1]) for sign in (-1, 1)
     ]
@@ -176,14 +184,22 @@ def _signal(line: Line) -> str:
     )
 
 
-def _node(node: Node, element: Element, marked: bool) -> str:
+def _tag(tag: Tag) -> str:
+    middle = ((tag.box.x0 + tag.box.x1) / 2, (tag.box.y0 + tag.box.y1) / 2)
+    return _text(tag.words, middle, TAG, "port", style="italic")
+
+
+def _node(node: Node, graph: BondGraph, scene: Scene, derivative: frozenset[str]) -> str:
+    elements = scene.figures[node.name].elements
+    marked = bool(derivative.intersection(elements))
     colour = MARK if marked else INK
-    parts = [f"<title>{escape(_tooltip(node.name, element))}</title>"]
-    if marked:
-        box = node.box.grown(2.0)
+    told = "; ".join(_tooltip(name, graph.elements[name]) for name in elements)
+    parts = [f"<title>{escape(told)}</title>"]
+    if marked or node.boxed:
+        box = node.box.grown(0.0 if node.boxed else 2.0)
         size = f'width="{_n(box.x1 - box.x0)}" height="{_n(box.y1 - box.y0)}"'
         parts.append(
-            f'<rect x="{_n(box.x0)}" y="{_n(box.y0)}" {size} stroke="{MARK}" stroke-width="0.9"/>'
+            f'<rect x="{_n(box.x0)}" y="{_n(box.y0)}" {size} stroke="{colour}" stroke-width="0.9"/>'
         )
     parts.append(_text(node.label, node.at, LABEL, "label", fill=colour))
     if node.caption is not None:
@@ -204,7 +220,7 @@ def _tooltip(name: str, element: Element) -> str:
     return f"{element.kind} {name}" + (f": {'; '.join(laws)}" if laws else "")
 
 
-_SHOWN = ("effort", "flow", "law", "kinetic", "ratio")
+_SHOWN = ("effort", "flow", "law", "kinetic", "ratio", "rate", "closed", "gap", "drop")
 
 
 def _text(

@@ -9,22 +9,19 @@ import numpy
 import sympy
 
 from ..causality import CausalGraph
-from ..dimensions import infer
-from ..equations import derive
+from ..equations import Equations, derive
 from ..graph import BondGraph
 from ..plot import pretty
 from ..stability import Locus, StabilityResult
-from ..text import to_text
+from ..text import dimensions_of, to_text
 from ..units import from_si
 from .blocks import Bullets, Figure, Markup, Section, Table, Text
+from .drawing import drawing
 from .mathml import state_equations
-from .svg import inline
 from .words import coherent, number
 
 # Beside the states and what they add up from, smaller values are what the solver leaves of zero.
 NOISE = 1e-12
-# A drawing fills the page's width, but grows no larger than this.
-LARGEST = 1.2
 
 
 def model_section(result: StabilityResult, causal: CausalGraph, description: str) -> Section:
@@ -36,29 +33,13 @@ def model_section(result: StabilityResult, causal: CausalGraph, description: str
         f"{states} state{'s' * (states != 1)}."
     )
     words = [*_paragraphs(description), Text(size, "note")]
-    return Section("Model", (*words, *_drawing(causal)))
+    return Section("Model", (*words, *drawing(causal, "bond-graph")))
 
 
 def _paragraphs(description: str) -> list[Text]:
     """Split a docstring into paragraphs; headings of its sections become part of theirs."""
     text = re.sub(r"(?m)^(.+)\n-{3,}$", r"\1:", description.strip())
     return [Text(" ".join(part.split())) for part in re.split(r"\n\s*\n", text) if part.strip()]
-
-
-def _drawing(causal: CausalGraph) -> list[Markup]:
-    try:
-        from ..draw import to_svg
-    except ImportError:
-        return []
-    name = causal.graph.name
-    svg = inline(to_svg(causal), "bond-graph", f"Bond graph of {name} with causal strokes")
-    box = re.search(r'viewBox="[\d.-]+ [\d.-]+ ([\d.]+)', svg)
-    width = LARGEST * float(box[1]) if box else 1000
-    return [
-        Markup(
-            f'<div class="drawing"><div style="max-width: {width:.0f}px; --natural: {width:.0f}px">{svg}</div></div>'
-        )
-    ]
 
 
 def parameter_section(result: StabilityResult) -> Section:
@@ -111,7 +92,7 @@ def _plain(expression: sympy.Expr) -> str:
 def point_section(result: StabilityResult) -> Section:
     """List states, outputs, inputs and modes at the operating point."""
     point, graph = result.point, result.graph
-    units = infer(graph).units
+    units = dimensions_of(graph).units
     noise = _noise(result)
     meanings = {name: output.meaning for name, output in graph.outputs.items()}
     units = {**units, **{name: output.unit or "1" for name, output in graph.outputs.items()}}
@@ -156,9 +137,8 @@ def _noise(result: StabilityResult) -> dict[str, float]:
     return dict(zip(names, map(float, (*states, *outputs)), strict=True))
 
 
-def equation_section(result: StabilityResult) -> Section:
+def equation_section(equations: Equations) -> Section:
     """Show the state equations as formulas, and the assignments as they are computed."""
-    equations = derive(result.graph)
     formulas = state_equations(equations)
     blocks: list[object] = []
     if equations.contacts:
@@ -175,32 +155,12 @@ def equation_section(result: StabilityResult) -> Section:
     return Section("Equations", tuple(blocks))
 
 
-def causality_section(causal: CausalGraph) -> Section:
-    """List the stroke of each bond with its reason, and what lost integral causality."""
-    rows = tuple(
-        (stroke.bond, stroke.effort_out_of, stroke.reason.value, stroke.because)
-        for stroke in causal.strokes
-    )
-    blocks: list[object] = [
-        Text(
-            "Each bond's effort is decided at one end and its flow at the other; the stroke is "
-            "drawn where the effort arrives."
-        ),
-        Table(("bond", "effort out of", "reason", "because"), rows, "ccll"),
-    ]
-    if causal.derivative:
-        blocks += [Text("Derivative causality:"), Bullets(causal.warnings)]
-    else:
-        blocks.append(Text("All storage is in integral causality."))
-    return Section("Causality", tuple(blocks))
-
-
 def assumption_section(result: StabilityResult) -> Section:
     """List warnings, notes of the graph, and what the verdict takes for granted."""
     said = [
         *result.warnings,
         *result.graph.notes,
-        *(f"units: {text}" for text in infer(result.graph).problems),
+        *(f"units: {text}" for text in dimensions_of(result.graph).problems),
         "the eigenvalues are those of the linearised equations: they tell of small motions about "
         "the operating point",
     ]

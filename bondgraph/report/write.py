@@ -8,11 +8,12 @@ import json
 from collections.abc import Iterable
 from pathlib import Path
 
-from ..causality import assign_causality
+from ..equations import derive
 from ..errors import BondGraphError
 from ..stability import StabilityResult
 from . import contents, spectrum
 from .blocks import Panel, Section
+from .causality import causality_section
 from .page import render
 from .svg import standalone
 from .words import slug
@@ -96,18 +97,18 @@ def _unstable(result: StabilityResult) -> str:
 
 def _chapters(result: StabilityResult, own: list[Section], description: str) -> list[Section]:
     """Gather all sections in order."""
-    causal = assign_causality(result.graph)
+    equations = derive(result.graph)
     figures = [figure for section in own for figure in section.figures]
     chapters: list[Section | None] = [
-        contents.model_section(result, causal, description),
+        contents.model_section(result, equations.causal, description),
         contents.parameter_section(result),
         contents.point_section(result),
         spectrum.eigenvalue_section(result),
         spectrum.locus_section(result.loci),
         *own,
         None if own else spectrum.friction_section(result),
-        contents.equation_section(result),
-        contents.causality_section(causal),
+        contents.equation_section(equations),
+        causality_section(equations),
         contents.assumption_section(result),
         contents.solver_section(result, figures),
     ]
