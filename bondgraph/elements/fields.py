@@ -14,7 +14,7 @@ import sympy
 
 from ..errors import GraphError, LawError
 from ..laws import affine_inverse, exact
-from .base import check_name
+from .base import Element, check_name
 from .dissipators import R
 from .storage import C, I, Storage
 
@@ -418,3 +418,17 @@ def _rows(
 def shares_energy(element: Storage) -> bool:
     """Whether a storage is a port of a field."""
     return bool(element.partners)
+
+
+def port_of(element: Element) -> tuple[str, str] | None:
+    """Return the names of field and port of a field's port; None for other elements.
+
+    Only a port of a field has a dot in its own name.
+
+    Examples
+    --------
+    >>> port_of(CField("beam", ("tip", "root"), stiffness=[[2, 1], [1, 2]])["tip"])
+    ('beam', 'tip')
+    """
+    field, dot, port = element.name.rpartition(".")
+    return (field, port) if dot else None
