@@ -9,12 +9,11 @@ import sympy
 
 from ..elements import Element, R, Storage
 from ..elements.fields import port_of
+from ..elements.matrices import inverse_of
 from ..errors import BondGraphError, ModelError
-from .fields import FIELDS, LETTERS
+from .fields import FIELDS, LETTERS, MAX_INVERTED
 from .kinds import local, variables_of
 from .names import Names
-
-LARGEST_SYMBOLIC_INVERSE = 4  # its terms grow with the factorial
 
 
 def fields_in(elements: Mapping[str, Element]) -> dict[str, dict[str, Any]]:
@@ -123,11 +122,7 @@ def _matrices(kind: str, ports: Mapping[str, Any]) -> Iterator[tuple[str, sympy.
 
 def _inverse(matrix: sympy.Matrix) -> sympy.Matrix | None:
     numeric = all(entry.is_Rational for entry in matrix)
-    if matrix.rows > LARGEST_SYMBOLIC_INVERSE and not numeric:
-        return None
-    if sympy.cancel(matrix.det()) == 0:
-        return None
-    return matrix.inv().applyfunc(sympy.cancel)
+    return inverse_of(matrix) if numeric or matrix.rows <= MAX_INVERTED else None
 
 
 def _builds(label: str, kind: str, ports: Mapping[str, Any], law: Mapping[str, Any]) -> bool:

@@ -17,6 +17,8 @@ from .kinds import KINDS, Kind, local, variables_of
 from .names import Names
 
 MAX_PORTS = 40
+MAX_INVERTED = 5  # ports: what inverting symbols takes grows with the factorial
+INVERTED = ("compliance", "inertance")
 LETTERS: Mapping[str, str] = MappingProxyType({"C": "q", "I": "p"})
 
 
@@ -83,6 +85,11 @@ class FieldRow:
     kind: FieldKind
     ports: Mapping[str, Kind]
     row: Mapping[str, Any]
+
+    @property
+    def laws(self) -> tuple[str, ...]:
+        """Keys of the laws that the row may hold."""
+        return (*self.kind.matrices, *self.kind.formulas)
 
     @property
     def labels(self) -> dict[str, str]:
@@ -167,13 +174,21 @@ def _matrix(field: FieldRow, key: str, names: Names) -> list[list[sympy.Expr]]:
     for number, row in enumerate(given, 1):
         if not isinstance(row, list) or len(row) != size:
             raise ModelError(f"{where}, row {number} is {shown(row)}; {wanted}")
-    return [
+    matrix = [
         [
             as_expression(entry, names.meanings, f"{where}, row {number}, column {place}")
             for place, entry in enumerate(row, 1)
         ]
         for number, row in enumerate(given, 1)
     ]
+    symbols = set().union(*(entry.free_symbols for row in matrix for entry in row))
+    if key in INVERTED and symbols and size > MAX_INVERTED:
+        raise LawError(
+            f"{where}: a matrix of more than {MAX_INVERTED} ports is inverted in numbers only; "
+            f"give numbers, or {' or '.join(other for other in field.laws if other != key)}",
+            elements=[field.label],
+        )
+    return matrix
 
 
 def _formulas(
