@@ -1027,6 +1027,203 @@ def test_malformed_files_are_named(name, tmp_path):
     assert len(message.splitlines()) == 1 and len(message) < 1100
 
 
+LINK = """
+schema = 1
+name = "link"
+elements = [
+  { name = "v", kind = "One" },
+  { name = "m", kind = "I", inertance = 1 },
+  { name = "w", kind = "One" },
+  { name = "n", kind = "I", inertance = 1 },
+  { name = "x", kind = "CField", ports = ["one", "two"], stiffness = [["k", -1], [-1, "k"]], initial = { one = 0.1 } },
+  { name = "wall", kind = "RField", ports = ["hot", "cold"], effort = { hot = "hot**3", cold = "2*cold" } },
+  { name = "s", kind = "ICField", ports = { coil = "I", gap = "C" }, energy = "coil**2*(1 + gap)" },
+  { name = "z", kind = "Zero", pseudo = true },
+  { name = "pad", kind = "RS", resistance = 3, pseudo = true },
+  { name = "rub", kind = "Clutch", capacity = 2 },
+  { name = "rub_heat", kind = "Heat", dissipator = "rub", pseudo = true },
+  { name = "stop", kind = "EndStop", gap = 1, restitution = 0.5 },
+  { name = "relay", kind = "Switch", closed = "t" },
+  { name = "lag", kind = "Lag", signal = "v.f", time_constant = 2 },
+  { name = "gauge", kind = "De" },
+  { name = "s.gap", kind = "Port" },
+]
+bonds = ["v > m", "w > n", "v > x.one", "w > x.two", "v > wall.hot", "w > wall.cold", "v > s.coil",
+         "w > s.gap", "v > pad", "v > rub", "pad_heat > z", "rub_heat > z", "v > stop", "v > relay", "z > gauge"]
+parameters.k = 2
+"""
+MATRIX = '[["k", -1], [-1, "k"]]'
+EFFORT = '{ hot = "hot**3", cold = "2*cold" }'
+MALFORMED_FIELDS = {
+    "row missing": (MATRIX, '[["k", -1]]', ModelError, "'x', stiffness has 1 row; 2 ports need"),
+    "row short": (
+        MATRIX,
+        '[["k", -1], [-1]]',
+        ModelError,
+        "stiffness, row 2 is [-1]; 2 ports need",
+    ),
+    "no matrix": (MATRIX, '"k"', ModelError, "stiffness is 'k'; write a matrix"),
+    "not symmetric": (
+        MATRIX,
+        '[["k", -1], [1, "k"]]',
+        LawError,
+        "'x': the stiffness matrix is not",
+    ),
+    "singular": (f"stiffness = {MATRIX}", "compliance = [[1, 1], [1, 1]]", LawError, "is singular"),
+    "entry": (MATRIX, '[["kk", -1], [-1, 1]]', LawError, "stiffness, row 1, column 1: column 1"),
+    "code": (MATRIX, "[[\"exec('1')\", -1], [-1, 1]]", LawError, "there is no function"),
+    "no law": (f"stiffness = {MATRIX}, ", "", LawError, "CField 'x' takes exactly one of"),
+    "two laws": ("stiffness = ", 'energy = "one", stiffness = ', LawError, "exactly one of"),
+    "law of another": ("stiffness = ", "inertance = ", ModelError, "unknown key 'inertance'"),
+    "no ports": (
+        'ports = ["one", "two"], ',
+        "",
+        ModelError,
+        "'x' (CField): ports is missing; write",
+    ),
+    "ports as text": ('ports = ["one", "two"]', 'ports = "one"', ModelError, "ports is 'one'"),
+    "ports as table": ('["one", "two"]', '{ one = "C" }', ModelError, "write ports = ["),
+    "ports as list": ('{ coil = "I", gap = "C" }', '["coil"]', ModelError, "write ports = { coil"),
+    "port of no kind": ('gap = "C"', 'gap = "R"', ModelError, "port 'gap' is 'R'; write \"C\""),
+    "port twice": ('["one", "two"]', '["one", "one"]', ModelError, "a port is there twice"),
+    "port as number": ('["one", "two"]', "[1, 2]", ModelError, "give names in quotes"),
+    "one port": (
+        '["one", "two"], stiffness = ' + MATRIX,
+        '["one"], stiffness = [[1]]',
+        GraphError,
+        "two ports",
+    ),
+    "dot in port": ('["one", "two"]', '["one", "t.o"]', GraphError, "'.' and '>' are kept"),
+    "bond to no port": ('"w > x.two"', '"w > x.too"', GraphError, "did you mean x.two"),
+    "bond to a field": (
+        '"w > x.two"',
+        '"w > x"',
+        GraphError,
+        "'x' has ports; name one of x.one, x.two",
+    ),
+    "port without bond": (', "w > x.two"', "", GraphError, "C 'x.two' has no bond"),
+    "initial of no port": (
+        "{ one = 0.1 }",
+        "{ on = 0.1 }",
+        ModelError,
+        "no port 'on'; did you mean one",
+    ),
+    "initial as number": ("{ one = 0.1 }", "0.1", ModelError, "write initial = { one = ..., two"),
+    "formula missing": (EFFORT, '{ hot = "hot" }', ModelError, "port 'cold' has no formula"),
+    "formula too many": (EFFORT, "{ hot = 1, cold = 2, out = 3 }", ModelError, "no port 'out'"),
+    "formula of no name": ("2*cold", "2*cool", LawError, "effort, port 'cold': column 3"),
+    "no energy": (', energy = "coil**2*(1 + gap)"', "", LawError, "needs the key 'energy'"),
+    "place of no port": (
+        '"s.gap", kind',
+        '"s.gp", kind',
+        ModelError,
+        "no field has this port; did you mean s.gap",
+    ),
+    "place with a law": (
+        'kind = "Port"',
+        'kind = "Port", stiffness = 1',
+        ModelError,
+        "'s.gap' (Port): unknown",
+    ),
+    "field twice": ('name = "wall", kind', 'name = "x", kind', GraphError, "'x' is there twice"),
+    "port and element": ('name = "lag"', 'name = "x.one"', GraphError, "'x.one' is there twice"),
+    "heat and element": (
+        'name = "lag"',
+        'name = "pad_heat"',
+        GraphError,
+        "'pad_heat' is there twice",
+    ),
+    "RS without a law": (
+        "resistance = 3, ",
+        "",
+        LawError,
+        "element 'pad' (RS) has no law; give resistance",
+    ),
+    "RS by dissipator": (
+        "resistance = 3",
+        'dissipator = "rub"',
+        ModelError,
+        "unknown key 'dissipator'",
+    ),
+    "pseudo as text": (
+        "pseudo = true }",
+        'pseudo = "yes" }',
+        ModelError,
+        "pseudo is 'yes'; write true or false",
+    ),
+    "heat of nothing": (
+        'dissipator = "rub", ',
+        "",
+        LawError,
+        "takes exactly one of dissipator, power",
+    ),
+    "heat of two": (
+        'dissipator = "rub"',
+        'dissipator = "rub", power = 3',
+        LawError,
+        "exactly one of",
+    ),
+    "heat of a mass": (
+        'dissipator = "rub"',
+        'dissipator = "m"',
+        GraphError,
+        "there is no dissipator 'm'",
+    ),
+    "heat of a number": ('dissipator = "rub"', "dissipator = 3", ModelError, "dissipator is 3"),
+    "no gap": ("gap = 1, ", "", LawError, "element 'stop' (EndStop) needs the key 'gap'"),
+    "restitution": ("restitution = 0.5", "restitution = 2", LawError, "between 0 and 1"),
+    "no signal": (', closed = "t"', "", LawError, "needs the key 'closed'"),
+    "time constant": ("time_constant = 2", "time_constant = 0", LawError, "must be positive"),
+    "sensor with a law": (
+        'kind = "De"',
+        'kind = "De", flow = 0',
+        ModelError,
+        "'gauge' (De): unknown key",
+    ),
+    "output of a sensor's name": (
+        "parameters.k = 2",
+        'parameters.k = 2\noutputs.gauge = "v.f"',
+        GraphError,
+        "has the name of a sensor",
+    ),
+    "too many ports": (
+        '["one", "two"]',
+        str([f"p{i}" for i in range(50)]),
+        ModelError,
+        "40 at most",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", MALFORMED_FIELDS)
+def test_malformed_fields_heat_and_switches_are_named(name):
+    old, new, kind, words = MALFORMED_FIELDS[name]
+    assert old in LINK
+    with pytest.raises(BondGraphError) as caught:
+        loads(LINK.replace(old, new, 1))
+    message = str(caught.value)
+    assert type(caught.value) is kind, message
+    assert message.startswith("model: ") and words in message, message
+    assert len(message.splitlines()) == 1 and len(message) < 1100
+
+
+def test_a_matrix_that_would_swell_is_refused_or_quick():
+    ports = [f"p{index}" for index in range(6)]
+    rows = [[f"a{min(i, j)}{max(i, j)}" for j in range(6)] for i in range(6)]
+    row = f'name = "x", kind = "CField", ports = {ports}, compliance = {rows}'
+    names = "\n".join(f"parameters.{name} = 1" for name in {entry for row in rows for entry in row})
+    text = LINK.replace("elements = [", f"elements = [{{ {row.replace('x', 'y', 1)} }},") + names
+    with pytest.raises(
+        LawError, match="is inverted in numbers only; give numbers, or stiffness or"
+    ):
+        loads(text)
+
+
+def test_the_text_that_the_malformed_fields_come_from_is_good():
+    text = dumps(loads(LINK))
+    assert dumps(loads(text)) == text
+
+
 def test_the_text_that_the_malformed_ones_come_from_is_good():
     graph = loads(GOOD)
     assert_same(graph, reloaded(graph))

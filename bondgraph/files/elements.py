@@ -8,6 +8,7 @@ from typing import Any
 
 import sympy
 
+from ..dimensions.laws import lag_law
 from ..elements import (
     GY,
     TF,
@@ -151,9 +152,8 @@ def _block_laws(element: SignalBlock) -> dict[str, sympy.Expr]:
     if isinstance(element, Integrator):
         laws = {"signal": element.rate}
     elif isinstance(element, Lag):
-        constant = -1 / sympy.diff(element.rate, element.y)
-        rest = sympy.Add.make_args(element.rate.xreplace({element.y: sympy.S.Zero}))
-        laws = {"signal": sympy.Add(*(term * constant for term in rest)), "time_constant": constant}
+        signal, constant = lag_law(element)
+        laws = {"signal": signal, "time_constant": constant}
     return laws | _initial(element)
 
 

@@ -114,9 +114,9 @@ def _matrices(kind: str, ports: Mapping[str, Any]) -> Iterator[tuple[str, sympy.
         yield {"effort": "resistance", "flow": "conductance"}[key], matrix
         return
     inverse = _inverse(matrix)
-    found = [("compliance" if kind == "CField" else "inertance", inverse)] * (inverse is not None)
-    if kind == "CField":
-        found.insert(0, (key, matrix))
+    found = [(key, matrix)] if kind == "CField" else []
+    if inverse is not None:
+        found.append(("compliance" if kind == "CField" else "inertance", inverse))
     yield from sorted(found, key=lambda item: sum(sympy.count_ops(entry) for entry in item[1]))
 
 

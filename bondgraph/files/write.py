@@ -104,7 +104,7 @@ class _Writer:
 
     def _add(self, rows: list[dict[str, Any]], label: str) -> None:
         """Add the row of one element; a resistor and its heat go into one."""
-        element = self.graph.elements[label]
+        element: Any = self.graph.elements[label]
         heater = self._heater(element)
         before = (rows[-1]["name"], rows[-1]["kind"]) if rows else ()
         if before == (heater, "R") and label == f"{heater}{HEAT}":
