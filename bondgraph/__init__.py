@@ -47,6 +47,7 @@ if TYPE_CHECKING:
     from .parameters import Parameter
     from .simulation import CompiledModel, Outcome, Samples, Trajectory, simulate
     from .steady import SteadyState, steady_state
+    from .symbolic import SymbolicSystem, routh_hurwitz, symbolic_system
 
 _HOME = {
     "Block": "elements",
@@ -84,6 +85,7 @@ _HOME = {
     "Sf": "elements",
     "SteadyState": "steady",
     "Switch": "elements",
+    "SymbolicSystem": "symbolic",
     "TF": "elements",
     "TIME": "graph",
     "Trajectory": "simulation",
@@ -94,10 +96,12 @@ _HOME = {
     "in_mode": "modes",
     "linearize": "linear",
     "load": "files",
+    "routh_hurwitz": "symbolic",
     "save": "files",
     "simulate": "simulation",
     "smoothed": "modes",
     "steady_state": "steady",
+    "symbolic_system": "symbolic",
 }
 
 __all__ = [
@@ -137,6 +141,7 @@ __all__ = [
     "R",
     "RField",
     "RS",
+    "routh_hurwitz",
     "Samples",
     "save",
     "Se",
@@ -146,6 +151,8 @@ __all__ = [
     "steady_state",
     "SteadyState",
     "Switch",
+    "symbolic_system",
+    "SymbolicSystem",
     "TF",
     "TIME",
     "Trajectory",

@@ -12,10 +12,12 @@ from typing import Any
 
 import numpy
 
-from .errors import BondGraphError
+from .errors import BondGraphError, ParameterError
 from .graph import BondGraph
+from .parameters import unknown_name
 from .smooth import Smooth
 from .steady import SteadyState, given_point, steady_state
+from .values import parameter_values
 
 __all__ = ["LinearSystem", "SteadyState", "linearize", "linearize_at", "steady_state"]
 
@@ -160,7 +162,9 @@ def linearize(
         Values by name or symbol, in SI or with units.
     at : SteadyState or mapping, optional
         Where; found by `steady_state` unless given. A mapping gives states
-        (others keep their initial value) and need not be an equilibrium.
+        (others keep their initial value) and need not be an equilibrium. A
+        SteadyState has its own parameters, inputs and modes: what else is given of
+        them must agree.
     inputs : mapping, optional
         Constant inputs.
     modes : mapping of str to str, optional
@@ -169,10 +173,13 @@ def linearize(
     Returns
     -------
     LinearSystem
+        In the states alone: algebraic variables follow states and inputs.
 
     Raises
     ------
     SteadyStateError
+    ParameterError
+        For a parameter, input or mode that differs from a given SteadyState's.
 
     Examples
     --------
@@ -183,6 +190,7 @@ def linearize(
     [(-0.125+1.99609j), (-0.125-1.99609j)]
     """
     if isinstance(at, SteadyState):
+        _check_agreement(at, parameters, inputs, modes)
         point = at
     elif at is not None:
         point = given_point(graph, parameters, inputs, modes, at)
@@ -206,8 +214,34 @@ def linearize_at(smooth: Smooth, point: SteadyState) -> LinearSystem:
     LinearSystem
     """
     a, b, c, d = smooth.matrices(
-        list(point.states.values()), list(point.inputs.values()), smooth.vector(point.parameters)
+        point.vector, list(point.inputs.values()), smooth.vector(point.parameters)
     )
     names = tuple(symbol.name for symbol in point.equations.inputs)
     outputs = tuple(point.equations.outputs)
     return LinearSystem(a, b, c, d, tuple(point.states), names, outputs, point)
+
+
+def _check_agreement(
+    point: SteadyState,
+    parameters: Mapping[Any, Any] | None,
+    inputs: Mapping[Any, float] | None,
+    modes: Mapping[str, str] | None,
+) -> None:
+    """Refuse what differs from the values that a steady state was found with."""
+    values = parameter_values(point.equations, parameters) if parameters else {}
+    named = [str(getattr(key, "name", key)) for key in parameters or {}]
+    wanted: list[tuple[str, dict[str, Any], Mapping[str, Any]]] = [
+        ("parameter", {name: values[name] for name in named}, point.parameters),
+        ("input", {str(getattr(k, "name", k)): v for k, v in (inputs or {}).items()}, point.inputs),
+        ("mode of", dict(modes or {}), point.modes),
+    ]
+    for kind, given, had in wanted:
+        for name, value in given.items():
+            if name not in had:
+                raise unknown_name(kind, name, had)
+            if value != had[name]:
+                raise ParameterError(
+                    f"{kind} {name!r} is {value!r}, but the steady state given in at=... was found "
+                    f"with {had[name]!r}; leave it out, or find the steady state with it",
+                    elements=[name],
+                )

@@ -13,50 +13,61 @@ from typing import Any
 import numpy
 import sympy
 
-from .codegen.program import Program
+from .codegen.program import Program, ProgramError
 from .codegen.to_casadi import to_casadi
-from .elements import Friction
+from .consistent import consistent
+from .elements import DryFriction, Switched
 from .equations import Equations
 from .errors import SteadyStateError
 from .graph import TIME, BondGraph
-from .modes import SLIP_BACKWARD, SLIP_FORWARD, STICK
 
 Vector = Sequence[float] | numpy.ndarray
+
+# Of the terms of a residual.
+ROUNDING = 1e-13
 
 
 @dataclass(frozen=True)
 class ContactValues:
-    """What one contact does at a point.
+    """What one switching element does at a point.
 
     Attributes
     ----------
-    slip, effort : float
-        Flow and effort of the contact.
-    limit : float
-        Largest effort while stuck.
+    element : Switched
+    flow, effort : float
+    margins : tuple of float
+        What has to be positive for each mode to last, ordered as ``element.modes``.
     """
 
-    slip: float
+    element: Switched
+    flow: float
     effort: float
-    limit: float
+    margins: tuple[float, ...]
 
     def better_mode(self, mode: str) -> str | None:
-        """Return the mode the contact would rather be in; None where it agrees.
+        """Return the mode the element would rather be in; None where it agrees.
 
         Examples
         --------
-        >>> ContactValues(slip=-0.1, effort=2.0, limit=3.0).better_mode("slip+")
+        >>> from bondgraph import Friction
+        >>> belt = Friction("belt", kinetic=lambda speed: 3)
+        >>> ContactValues(belt, -0.1, 2.0, (1.0, -0.1, 0.1)).better_mode("slip+")
         'stick'
         """
-        if mode == STICK:
-            if abs(self.effort) <= self.limit:
-                return None
-            return SLIP_FORWARD if self.effort > 0 else SLIP_BACKWARD
-        return None if self.slip * (1 if mode == SLIP_FORWARD else -1) > 0 else STICK
+        code = self.element.code(mode)
+        margin = self.margins[list(self.element.modes).index(mode)]
+        moving = isinstance(self.element, DryFriction) and code
+        if margin > 0 or (margin == 0 and not moving):
+            return None
+        return self.element.label(self.element.next_code(code, self.effort, self.flow))
 
 
 class Smooth:
     """Rates, outputs, contacts and Jacobians of equations without open contacts.
+
+    Where algebraic variables are kept they stand behind the states in every vector
+    x, and what their equations leave behind the rates; a point is at rest where all
+    of it is zero.
 
     Parameters
     ----------
@@ -74,11 +85,13 @@ class Smooth:
     contacts : tuple of str
     names : tuple of str
         Order of the parameter vector.
+    order : int
+        Number of states.
 
     Raises
     ------
     SteadyStateError
-        If algebraic variables are kept or a source depends on time.
+        If a source depends on time, or a law has no numeric form.
 
     Examples
     --------
@@ -92,13 +105,14 @@ class Smooth:
     def __init__(self, equations: Equations, graph: BondGraph, held: Collection[str] = ()) -> None:
         import casadi
 
-        _check_explicit(equations)
         self.equations = equations
+        self.order = len(equations.states)
         laws = {
             name: element
-            for name, element in graph.of(Friction)
-            if not isinstance(equations.graph.elements[name], Friction)
+            for name, element in graph.of(Switched)
+            if not isinstance(equations.graph.elements[name], Switched)
         }
+        self._laws = tuple(laws.values())
         self.contacts = tuple(laws)
         table = equations.graph.parameters
         derived = [
@@ -108,27 +122,37 @@ class Smooth:
         self.names = tuple(symbol.name for symbol in free)
         program = Program.pruned(
             "smooth",
-            [("t", [TIME]), ("x", equations.states), ("u", equations.inputs), ("p", free)],
+            [
+                ("t", [TIME]),
+                ("x", (*equations.states, *equations.algebraic)),
+                ("u", equations.inputs),
+                ("p", free),
+            ],
             [
                 *((symbol, table[symbol].value) for symbol in _ordered(derived, table)),
                 *equations.assignments,
             ],
             {
-                "rates": equations.derivatives,
+                "rates": (*equations.derivatives, *equations.residuals),
                 "outputs": equations.outputs.values(),
                 "contacts": _contact_rows(equations, graph, laws),
             },
         )
         _check_autonomous(equations, program)
-        x = casadi.SX.sym("x", len(equations.states))
+        x = casadi.SX.sym("x", self.order + len(equations.algebraic))
         u = casadi.SX.sym("u", len(equations.inputs))
         p = casadi.SX.sym("p", len(free))
-        rates, outputs, rows = to_casadi(program)(0, x, u, p)
+        try:
+            rates, outputs, rows = to_casadi(program)(0, x, u, p)
+        except ProgramError as error:
+            raise SteadyStateError(
+                f"model {equations.name!r} cannot be turned into numbers: {error}"
+            ) from None
         jacobians = [
             casadi.densify(casadi.jacobian(of, by)) for of in (rates, outputs) for by in (x, u)
         ]
         self._rates = casadi.Function("rates", [x, u, p], [rates])
-        self._state_matrix = casadi.Function("state_matrix", [x, u, p], jacobians[:1])
+        self._jacobian = casadi.Function("jacobian", [x, u, p], jacobians[:1])
         self._outputs = casadi.Function("outputs", [x, u, p], [outputs])
         self._contacts = casadi.Function("contacts", [x, u, p], [rows])
         self._jacobians = casadi.Function("jacobians", [x, u, p], jacobians)
@@ -138,12 +162,60 @@ class Smooth:
         return numpy.array([values.get(name, numpy.nan) for name in self.names])
 
     def rates(self, x: Vector, u: Vector, p: Vector) -> numpy.ndarray:
-        """Return the rate of each state, shape (n,)."""
+        """Return the rate of each state, shape (n,); behind them what is left of the residuals."""
         return self._rates(x, u, p).full().ravel()
 
+    def jacobian(self, x: Vector, u: Vector, p: Vector) -> numpy.ndarray:
+        """Return the Jacobian of `rates` in x."""
+        return self._jacobian(x, u, p).full()
+
     def state_matrix(self, x: Vector, u: Vector, p: Vector) -> numpy.ndarray:
-        """Return the Jacobian of the rates, shape (n, n)."""
-        return self._state_matrix(x, u, p).full()
+        """Return the Jacobian of the states' rates, algebraic variables following, shape (n, n).
+
+        Raises
+        ------
+        SteadyStateError
+            If the residuals do not determine the algebraic variables here.
+        """
+        if not self.equations.algebraic:
+            return self.jacobian(x, u, p)
+        return self.matrices(x, u, p)[0]
+
+    def consistent(
+        self, states: Vector, u: Vector, p: Vector, guess: Vector
+    ) -> numpy.ndarray | None:
+        """Return a point at given states: with algebraic variables that solve the residuals.
+
+        Parameters
+        ----------
+        states : (n,) sequence of float
+        u, p : sequence of float
+        guess : (nz,) sequence of float
+            Of the algebraic variables; see `bondgraph.consistent.consistent`.
+
+        Returns
+        -------
+        (n + nz,) array or None
+            None where no solution is found.
+        """
+        n = self.order
+        fixed = numpy.array(states, dtype=float)
+
+        def residual(z: numpy.ndarray) -> tuple[numpy.ndarray, numpy.ndarray, numpy.ndarray]:
+            x = numpy.concatenate([fixed, z])
+            left, slopes, _, terms = self._residual(x, u, p)
+            return left, slopes[:, n:], terms
+
+        found = consistent(residual, numpy.array(guess, dtype=float))
+        return None if found is None else numpy.concatenate([fixed, found])
+
+    def _residual(self, x: Vector, u: Vector, p: Vector) -> tuple[numpy.ndarray, ...]:
+        """Return what is left of the residuals, slopes by x and u, and the size of the terms."""
+        n = self.order
+        left = self.rates(x, u, p)[n:]
+        by_x, by_u = (matrix.full()[n:] for matrix in self._jacobians(x, u, p)[:2])
+        terms = numpy.abs(by_x) @ numpy.abs(x) + numpy.abs(by_u) @ numpy.abs(numpy.asarray(u))
+        return left, by_x, by_u, terms + numpy.abs(left)
 
     def symbolic(self, x: Any, u: Any, p: Any) -> Any:
         """Return the rates as a CasADi expression in symbolic arguments."""
@@ -154,38 +226,78 @@ class Smooth:
         found = self._outputs(x, u, p).full().ravel()
         return dict(zip(self.equations.outputs, map(float, found), strict=True))
 
+    def element(self, name: str) -> Switched | None:
+        """Return a switching element by its qualified name."""
+        return dict(zip(self.contacts, self._laws, strict=True)).get(name)
+
     def contact_values(self, x: Vector, u: Vector, p: Vector) -> dict[str, ContactValues]:
-        """Return slip, effort and limit of each contact."""
-        found = self._contacts(x, u, p).full().reshape(-1, 3)
-        return {
-            name: ContactValues(*map(float, row))
-            for name, row in zip(self.contacts, found, strict=True)
-        }
+        """Return flow, effort and margins of each switching element."""
+        found = iter(self._contacts(x, u, p).full().ravel().tolist())
+        values = {}
+        for name, element in zip(self.contacts, self._laws, strict=True):
+            flow, effort = next(found), next(found)
+            margins = tuple(next(found) for _ in element.modes)
+            values[name] = ContactValues(element, flow, effort, margins)
+        return values
 
     def matrices(self, x: Vector, u: Vector, p: Vector) -> tuple[numpy.ndarray, ...]:
-        """Return A, B, C and D.
+        """Return A, B, C and D; algebraic variables follow states and inputs.
 
         Raises
         ------
         SteadyStateError
-            If one is not finite.
+            If one is not finite, or the residuals do not determine the algebraic
+            variables here.
         """
         found = tuple(matrix.full() for matrix in self._jacobians(x, u, p))
         if not all(numpy.isfinite(matrix).all() for matrix in found):
             raise SteadyStateError(
                 f"model {self.equations.name!r}: the Jacobian is not finite at this point"
             )
-        return found
+        return self._eliminated(found, x, u, p) if self.equations.algebraic else found
 
-
-def _check_explicit(equations: Equations) -> None:
-    if equations.algebraic:
-        names = [symbol.name for symbol in equations.algebraic]
-        raise SteadyStateError(
-            f"model {equations.name!r} keeps algebraic variables ({', '.join(names)}); "
-            f"add a compliance or inertia where they arise",
-            elements=names,
+    def _eliminated(
+        self, found: tuple[numpy.ndarray, ...], x: Vector, u: Vector, p: Vector
+    ) -> tuple[numpy.ndarray, ...]:
+        """Let the algebraic variables follow, by the implicit function theorem."""
+        n = self.order
+        rates_x, rates_u, outputs_x, outputs_u = found
+        right = numpy.hstack([rates_x[n:, :n], rates_u[n:]])
+        try:
+            follow = numpy.linalg.solve(rates_x[n:, n:], -right)
+            determined = numpy.isfinite(follow).all() and self._determined(x, u, p)
+        except numpy.linalg.LinAlgError:
+            determined = False
+        if not determined:
+            names = [symbol.name for symbol in self.equations.algebraic]
+            raise SteadyStateError(
+                f"model {self.equations.name!r}: the algebraic variables ({', '.join(names)}) are "
+                f"not determined at this point, the Jacobian of their equations is singular; add "
+                f"a compliance or inertia where they arise, or take another point",
+                elements=names,
+            )
+        by_x, by_u = follow[:, :n], follow[:, n:]
+        return (
+            rates_x[:n, :n] + rates_x[:n, n:] @ by_x,
+            rates_u[:n] + rates_x[:n, n:] @ by_u,
+            outputs_x[:, :n] + outputs_x[:, n:] @ by_x,
+            outputs_u + outputs_x[:, n:] @ by_u,
         )
+
+    def _determined(self, x: Vector, u: Vector, p: Vector) -> bool:
+        """Whether the residuals' Jacobian stands while rounding moves the algebraic variables.
+
+        At a fold it does not: there an error of rounding moves them so far that the
+        Jacobian becomes another one.
+        """
+        n = self.order
+        left, by_x, _, terms = self._residual(x, u, p)
+        slopes = by_x[:, n:]
+        moved = numpy.array(x, dtype=float)
+        moved[n:] += numpy.linalg.solve(slopes, numpy.abs(left) + ROUNDING * terms)
+        other = self._residual(moved, u, p)[1][:, n:]
+        change = numpy.linalg.solve(slopes, other) - numpy.eye(len(slopes))
+        return bool(numpy.abs(change).max() < 0.5)
 
 
 def _check_autonomous(equations: Equations, program: Program) -> None:
@@ -217,9 +329,9 @@ def _ordered(derived: list[sympy.Symbol], table: Mapping[sympy.Symbol, Any]) -> 
 
 
 def _contact_rows(
-    equations: Equations, graph: BondGraph, laws: Mapping[str, Friction]
+    equations: Equations, graph: BondGraph, laws: Mapping[str, Switched]
 ) -> list[sympy.Expr]:
-    """Write slip, effort and breakaway of each contact in the mode's own variables."""
+    """Write flow, effort and margins of each switching element in the mode's own variables."""
     variables = {
         symbol: equations.ports[f"{name}.{key}"]
         for name, element in graph.elements.items()
@@ -229,5 +341,5 @@ def _contact_rows(
     rows: list[sympy.Expr] = []
     for name, element in laws.items():
         rows += [equations.ports[f"{name}.f"], equations.ports[f"{name}.e"]]
-        rows.append(element.breakaway.xreplace(variables))
+        rows += [element.margin(code).xreplace(variables) for code in element.modes.values()]
     return rows

@@ -2,24 +2,26 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy
 import sympy
 
-from .elements import C, Storage
+from .elements import C, EndStop, Storage
 from .equations import Equations, derive
-from .errors import SimulationError, SteadyStateError
+from .errors import BondGraphError, SimulationError, SteadyStateError
 from .graph import BondGraph
 from .modes import CODES, SLIP_BACKWARD, SLIP_FORWARD, STICK, contacts, in_mode
 from .parameters import unknown_name
 from .smooth import ContactValues, Smooth
-from .values import initial_values, parameter_values
+from .values import algebraic_guess, algebraic_names, initial_values, parameter_values
 
 MAX_ITERATIONS = 100
 MAX_MODE_CHANGES = 20
+MAX_FIRST_MODES = 256
 # The search that Newton falls back on: steps in time, each longer than the one before.
 RELAXATIONS = 300
 GROWTH = 1.2
@@ -45,6 +47,8 @@ class SteadyState:
     isolated : bool
         Whether the point is the only one near by; False where a state is free,
         such as the position of an unconstrained mass.
+    algebraic : dict of str to float
+        Values of the algebraic variables that the equations keep.
     """
 
     states: dict[str, float]
@@ -54,6 +58,12 @@ class SteadyState:
     modes: dict[str, str]
     equations: Equations
     isolated: bool
+    algebraic: dict[str, float] = field(default_factory=dict)
+
+    @property
+    def vector(self) -> list[float]:
+        """States and algebraic variables, as the functions of `bondgraph.smooth.Smooth` take them."""
+        return [*self.states.values(), *self.algebraic.values()]
 
 
 def steady_state(
@@ -77,7 +87,8 @@ def steady_state(
         slip in at the initial state, and change until the point agrees with
         its modes.
     guess : mapping, optional
-        Start of the search by state; the initial state unless given.
+        Start of the search by state; the initial state unless given. Algebraic
+        variables, by name, start at zero unless given.
 
     Returns
     -------
@@ -125,10 +136,17 @@ def given_point(
 ) -> SteadyState:
     """Take a point as given, without solving; states not named keep their initial value.
 
+    Algebraic variables are solved for; what is given of them is where the search starts.
+
     Returns
     -------
     SteadyState
         Not an equilibrium, but with everything evaluated there.
+
+    Raises
+    ------
+    SteadyStateError
+        When the algebraic variables have no solution at these states.
     """
     chosen = {**first_modes(graph, parameters, at, dict(modes or {})), **(modes or {})}
     equations = derive(in_mode(graph, chosen))
@@ -136,8 +154,16 @@ def given_point(
     start = initial_values(equations, values, at)
     given = input_values(equations, inputs)
     smooth = Smooth(equations, graph, held=values)
-    outputs = smooth.outputs(start, list(given.values()), smooth.vector(values))
-    return SteadyState(_named(equations, start), outputs, given, values, chosen, equations, True)
+    u, p = list(given.values()), smooth.vector(values)
+    x = smooth.consistent(start, u, p, algebraic_guess(equations, at))
+    if x is None:
+        names = [symbol.name for symbol in equations.algebraic]
+        raise SteadyStateError(
+            f"model {equations.name!r}: no values of the algebraic variables ({', '.join(names)}) "
+            f"fulfil their equations at this point; give a guess of them beside the states",
+            elements=names,
+        )
+    return _point(smooth, x, (given, values, chosen), True)
 
 
 def input_values(equations: Equations, inputs: Mapping[Any, float] | None) -> dict[str, float]:
@@ -177,6 +203,8 @@ def first_modes(
     if not names:
         return {}
     equations = derive(graph)
+    if equations.switches:
+        return _first_possible(graph, fixed)
     values = parameter_values(equations, parameters)
     x = initial_values(equations, values, start)
     numbers = {state.name: value for state, value in zip(equations.states, x, strict=True)} | values
@@ -189,13 +217,32 @@ def first_modes(
     resting = [name for name, slip in slips.items() if slip == 0]
     if resting:
         numbers |= {f"{name}.direction": float(CODES[mode]) for name, mode in found.items()}
-        held = derive(graph, stuck=resting)
-        for contact in held.contacts:
-            if contact.name in resting:
-                effort = _at(held, contact.effort, numbers)
-                at_rest = ContactValues(0.0, effort, _at(held, contact.breakaway, numbers))
-                found[contact.name] = at_rest.better_mode(STICK) or STICK
+        held = derive(in_mode(graph, dict.fromkeys(resting, STICK)))
+        limits = {contact.name: contact.breakaway for contact in equations.contacts}
+        for name in resting:
+            effort = _at(held, held.ports[f"{name}.e"], numbers)
+            margin = _at(held, limits[name], numbers) - abs(effort)
+            at_rest = ContactValues(graph[name], 0.0, effort, (margin, 0.0, 0.0))
+            found[name] = at_rest.better_mode(STICK) or STICK
     return found
+
+
+def _first_possible(graph: BondGraph, fixed: Mapping[str, str]) -> dict[str, str]:
+    """Return modes whose equations exist, near those in which nothing is held."""
+    free = {name: list(graph[name].modes)[::-1] for name in contacts(graph) if name not in fixed}
+    choices = itertools.islice(itertools.product(*free.values()), MAX_FIRST_MODES)
+    refusal: BondGraphError | None = None
+    for labels in choices:
+        modes = dict(zip(free, labels, strict=True))
+        try:
+            derive(in_mode(graph, {**modes, **fixed}))
+        except BondGraphError as error:
+            refusal = error
+            continue
+        return modes
+    raise SteadyStateError(
+        f"model {graph.name!r} can be in no set of modes: {refusal}", elements=list(free)
+    )
 
 
 def _at(equations: Equations, expression: sympy.Expr, numbers: Mapping[str, float]) -> float:
@@ -206,7 +253,7 @@ def _at(equations: Equations, expression: sympy.Expr, numbers: Mapping[str, floa
 
 
 def _check_names(graph: BondGraph, guess: Mapping[Any, float] | None) -> None:
-    """Refuse a guess for what is a state in no mode, nor an output."""
+    """Refuse a guess for what is a state in no mode, nor an output, nor algebraic."""
     known = [
         *(
             f"{name}.{'q' if isinstance(element, C) else 'p'}"
@@ -214,14 +261,38 @@ def _check_names(graph: BondGraph, guess: Mapping[Any, float] | None) -> None:
         ),
         *graph.outputs,
     ]
-    for key in guess or {}:
-        name = str(getattr(key, "name", key))
-        if name not in known:
+    names = [str(getattr(key, "name", key)) for key in guess or {}]
+    if all(name in known for name in names):
+        return
+    implicit = algebraic_names(derive(graph))
+    for name in names:
+        if name not in known and name not in implicit:
             raise unknown_name("state", name, known)
 
 
-def _named(equations: Equations, x: Any) -> dict[str, float]:
-    return {state.name: float(value) for state, value in zip(equations.states, x, strict=True)}
+def _point(
+    smooth: Smooth,
+    x: Any,
+    given: tuple[dict[str, float], dict[str, float], Mapping[str, str]],
+    isolated: bool,
+) -> SteadyState:
+    """Name everything at a point; ``given`` holds inputs, parameters and modes."""
+    equations = smooth.equations
+    inputs, values, modes = given
+    return SteadyState(
+        _named(equations.states, x[: smooth.order]),
+        smooth.outputs(x, list(inputs.values()), smooth.vector(values)),
+        inputs,
+        values,
+        dict(modes),
+        equations,
+        isolated,
+        _named(equations.algebraic, x[smooth.order :]),
+    )
+
+
+def _named(symbols: tuple[sympy.Symbol, ...], x: Any) -> dict[str, float]:
+    return {symbol.name: float(value) for symbol, value in zip(symbols, x, strict=True)}
 
 
 def _solve(
@@ -237,24 +308,22 @@ def _solve(
     given = input_values(equations, inputs)
     smooth = Smooth(equations, graph, held=values)
     known = {state.name for state in equations.states} | set(equations.outputs)
+    known |= algebraic_names(equations)
     hints = {
         key: value for key, value in (guess or {}).items() if getattr(key, "name", key) in known
     }
     u, p = list(given.values()), smooth.vector(values)
-    start = initial_values(equations, values, hints)
+    states = initial_values(equations, values, hints)
+    z = algebraic_guess(equations, hints)
+    start = smooth.consistent(states, u, p, z)
+    if start is None:  # none at these states; there may be at others
+        start = numpy.array([*states, *z])
+    start = _against_stops(smooth, modes, start, u, p)
     try:
         x, isolated = solve_rates(smooth, start, u, p)
     except SteadyStateError:
         x, isolated = solve_rates(smooth, _relaxed(smooth, start, u, p), u, p)
-    point = SteadyState(
-        _named(equations, x),
-        smooth.outputs(x, u, p),
-        given,
-        values,
-        dict(modes),
-        equations,
-        isolated,
-    )
+    point = _point(smooth, x, (given, values, modes), isolated)
     better = {
         name: found.better_mode(modes[name])
         for name, found in smooth.contact_values(x, u, p).items()
@@ -262,20 +331,53 @@ def _solve(
     return point, {name: mode for name, mode in better.items() if mode is not None}
 
 
+def _against_stops(
+    smooth: Smooth, modes: Mapping[str, str], start: numpy.ndarray, u: Any, p: Any
+) -> numpy.ndarray:
+    """Move states so that end stops in contact have no gap; no rate would tell."""
+    names = [
+        n
+        for n, mode in modes.items()
+        if isinstance(smooth.element(n), EndStop) and mode == "contact"
+    ]
+    x = start
+
+    def gaps(x: numpy.ndarray) -> numpy.ndarray:
+        values = smooth.contact_values(x, u, p)
+        return numpy.array(
+            [values[n].margins[list(values[n].element.modes).index("free")] for n in names]
+        )
+
+    for _ in range(MAX_ITERATIONS if names else 0):
+        open_gaps = gaps(x)
+        if not open_gaps.any() or not numpy.isfinite(open_gaps).all():
+            break
+        sizes = 1e-6 * numpy.maximum(numpy.abs(x), 1e-3)
+        columns = [
+            (gaps(x + h * e) - open_gaps) / h for h, e in zip(sizes, numpy.eye(len(x)), strict=True)
+        ]
+        step = numpy.linalg.lstsq(numpy.array(columns).T, -open_gaps, rcond=1e-9)[0]
+        x = x + step
+        if numpy.abs(step).max() <= 1e-14 * numpy.abs(x).max(initial=0.0):
+            break
+    return x
+
+
 def solve_rates(smooth: Smooth, start: Any, u: Any, p: Any) -> tuple[numpy.ndarray, bool]:
     """Find states at which all rates are zero, by damped Newton.
 
-    A singular Jacobian takes the shortest step in scaled states.
+    Algebraic variables are solved for along with them. A singular Jacobian takes the
+    shortest step in scaled states.
 
     Parameters
     ----------
     smooth : Smooth
     start, u, p : sequence of float
-        First states, inputs, parameter vector.
+        First states and algebraic variables, inputs, parameter vector.
 
     Returns
     -------
-    x : (n,) array
+    x : (n + nz,) array
     isolated : bool
         Whether the Jacobian has full rank there.
 
@@ -286,7 +388,7 @@ def solve_rates(smooth: Smooth, start: Any, u: Any, p: Any) -> tuple[numpy.ndarr
     x = numpy.array(start, dtype=float)
     residual = smooth.rates(x, u, p)
     for _ in range(MAX_ITERATIONS):
-        newton = _Newton(smooth.state_matrix(x, u, p), residual)
+        newton = _Newton(smooth.jacobian(x, u, p), residual)
         if not numpy.isfinite(newton.step).all():
             break
         if not newton.solvable(x):
@@ -308,13 +410,18 @@ def solve_rates(smooth: Smooth, start: Any, u: Any, p: Any) -> tuple[numpy.ndarr
 
 
 def _relaxed(smooth: Smooth, start: Any, u: Any, p: Any) -> numpy.ndarray:
-    """Let the states run towards a steady state, by implicit Euler steps of growing length."""
+    """Let the states run towards a steady state, by implicit Euler steps of growing length.
+
+    Residuals have no mass: a step is one of Newton for them.
+    """
     x = numpy.array(start, dtype=float)
-    rates, matrix = smooth.rates(x, u, p), smooth.state_matrix(x, u, p)
-    fastest = numpy.abs(numpy.linalg.eigvals(matrix)).max(initial=0.0)
+    rates, matrix = smooth.rates(x, u, p), smooth.jacobian(x, u, p)
+    moving = numpy.arange(len(x)) < smooth.order
+    mass = numpy.diag(moving.astype(float))
+    fastest = _fastest(smooth, x, u, p)
     step = 0.1 / fastest if 0 < fastest < numpy.inf else 1.0
     for _ in range(RELAXATIONS):
-        change = numpy.linalg.lstsq(numpy.eye(len(x)) - step * matrix, step * rates, rcond=None)[0]
+        change = numpy.linalg.lstsq(mass - step * matrix, step * rates, rcond=None)[0]
         trial = smooth.rates(x + change, u, p)
         if not numpy.isfinite(trial).all():
             step /= 10
@@ -323,11 +430,20 @@ def _relaxed(smooth: Smooth, start: Any, u: Any, p: Any) -> numpy.ndarray:
         if newton.balanced(x, rates):
             break
         x, rates = x + change, trial
-        matrix = smooth.state_matrix(x, u, p)
+        matrix = smooth.jacobian(x, u, p)
         if not numpy.isfinite(matrix).all():
             break
         step *= GROWTH
     return x
+
+
+def _fastest(smooth: Smooth, x: numpy.ndarray, u: Any, p: Any) -> float:
+    """Return the largest size of an eigenvalue; zero where algebraic variables hide it."""
+    try:
+        matrix = smooth.state_matrix(x, u, p)
+    except SteadyStateError:
+        return 0.0
+    return float(numpy.abs(numpy.linalg.eigvals(matrix)).max(initial=0.0))
 
 
 class _Newton:

@@ -222,13 +222,10 @@ def _state_name(equations: Equations, element: str) -> str:
 def _contacts(equations: Equations) -> Iterable[str]:
     for contact in equations.contacts:
         limit = _plain(contact.breakaway)
-        if contact.stuck:
-            yield f"{contact.name} is stuck: {contact.slip} = 0 while |{contact.effort}| <= {limit}"
-        else:
-            yield (
-                f"{contact.name}: {contact.direction} is the sign of {contact.slip}; "
-                f"at rest it sticks while |{contact.effort}| <= {limit}"
-            )
+        yield (
+            f"{contact.name}: {contact.direction} is the sign of {contact.slip}; "
+            f"at rest it sticks while |{contact.effort}| <= {limit}"
+        )
 
 
 def _outputs(equations: Equations) -> list[str]:

@@ -67,7 +67,8 @@ def initial_values(
         Parameter values.
     given : mapping, optional
         State name or symbol to a number. An output that is proportional to a
-        single state, such as a mass's speed, may be given in its place.
+        single state, such as a mass's speed, may be given in its place. Names of
+        algebraic variables are left to `algebraic_guess`.
 
     Returns
     -------
@@ -93,17 +94,77 @@ def initial_values(
         for state, initial in zip(equations.states, equations.initial, strict=True)
     }
     names = {state.name: state for state in equations.states}
-    for key, value in (given or {}).items():
-        name = key if isinstance(key, str) else getattr(key, "name", str(key))
-        number = _real(f"initial value of {name!r}", _si(name, value))
+    for name, number in _numbers(given):
         if name in names:
             start[names[name]] = number
         elif name in equations.outputs:
             state, state_value = _from_output(equations, name, number, numbers)
             start[state] = state_value
-        else:
-            raise unknown_name("state", name, [*names, *equations.outputs])
+        elif _algebraic(equations, name) is None:
+            implicit = [symbol.name for symbol in equations.algebraic]
+            raise unknown_name("state", name, [*names, *implicit, *equations.outputs])
     return [start[state] for state in equations.states]
+
+
+def algebraic_guess(equations: Equations, given: Mapping[Any, Any] | None = None) -> list[float]:
+    """Return the guess of the algebraic variables, from which their solution is sought.
+
+    Parameters
+    ----------
+    equations : Equations
+    given : mapping, optional
+        Names or symbols to numbers, as for `initial_values`; others are zero. A
+        port variable that equals an algebraic variable, but for the sign, will do.
+
+    Returns
+    -------
+    list of float
+        Ordered as ``equations.algebraic``.
+
+    Examples
+    --------
+    >>> from bondgraph import C, R, Zero, assemble, derive
+    >>> graph = assemble("g", Zero("u") >> (C("c", 1), R("r", effort=lambda f: f + f**3)))
+    >>> algebraic_guess(derive(graph), {"r.f": 0.5, "c.q": 2})
+    [0.5]
+    """
+    start = dict.fromkeys(equations.algebraic, 0.0)
+    for name, number in _numbers(given):
+        found = _algebraic(equations, name)
+        if found is not None:
+            start[found[0]] = found[1] * number
+    return list(start.values())
+
+
+def algebraic_names(equations: Equations) -> set[str]:
+    """Return all names by which `algebraic_guess` takes a number."""
+    if not equations.algebraic:
+        return set()
+    names = {symbol.name for symbol in equations.algebraic}
+    return names | {name for name in equations.ports if _algebraic(equations, name)}
+
+
+def _algebraic(equations: Equations, name: str) -> tuple[sympy.Symbol, int] | None:
+    """Return the algebraic variable that a name stands for, and with which sign."""
+    implicit = {symbol.name: symbol for symbol in equations.algebraic}
+    if name in implicit:
+        return implicit[name], 1
+    if not implicit or name not in equations.ports:
+        return None
+    value = equations.substituted(equations.ports[name])
+    for symbol in equations.algebraic:
+        if value in (symbol, -symbol):
+            return symbol, 1 if value == symbol else -1
+    return None
+
+
+def _numbers(given: Mapping[Any, Any] | None) -> list[tuple[str, float]]:
+    """Return what was given as names and finite numbers in SI."""
+    pairs = []
+    for key, value in (given or {}).items():
+        name = key if isinstance(key, str) else getattr(key, "name", str(key))
+        pairs.append((name, _real(f"initial value of {name!r}", _si(name, value))))
+    return pairs
 
 
 def _si(name: str, value: Any) -> float:

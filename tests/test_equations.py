@@ -25,7 +25,7 @@ from bondgraph import (
     models,
 )
 from bondgraph.errors import AlgebraicLoopError, BondGraphError, LawError
-from bondgraph.modes import contacts
+from bondgraph.modes import contacts, mode_equations
 
 E, F, V, U = sympy.symbols("E F V U", real=True)
 b, c, g, k, l, m, n, r, J, L, M = sympy.symbols("b c g k l m n r J L M", positive=True)
@@ -526,22 +526,22 @@ class TestFriction:
         assert equations.directions == (d,)
         assert equal(rates(equations)["m.p"], E - k * q - d * (F + b * d * p / m))
         assert contact.breakaway == 2 * F
-        assert not contact.stuck
 
-    def test_stuck_holds_the_slip_s_rate(self):
-        equations = derive(self.sled(), stuck=["dry"])
-        assert equations.contacts[0].stuck
-        assert equal(port(equations, "dry.e"), E - k * var("k.q"))
-        assert rates(equations)["m.p"] == 0
-        assert len(equations.states) == 2
-        check_closed(equations)
+    def test_stuck_the_state_follows_the_slip_imposed(self):
+        mode = mode_equations(derive(self.sled()), ["dry"])
+        assert mode.bound == (var("m.p"),)
+        held = at_rest(mode)
+        assert equal(held(mode.answers["dry"]), E - k * var("k.q"))
+        assert [held(rate) for rate in mode.derivatives] == [0, 0]
+        check_closed(mode.equations)
 
-    def test_only_friction_is_stuck(self):
-        for name in ("m", "nothing"):
-            with pytest.raises(
-                BondGraphError, match=f"{name}: no Friction with modes of graph 'sled'"
-            ):
-                derive(self.sled(), stuck=[name])
+    def test_a_mode_that_cannot_be_is_named(self):
+        """Two frictions cannot both hold one motion."""
+        v = One("v")
+        pads = [Friction(name, kinetic=lambda speed: F) for name in ("left", "right")]
+        graph = assemble("g", v >> (I("m", m), *pads))
+        with pytest.raises(BondGraphError, match=r"'left'.*'right'"):
+            mode_equations(derive(graph), ["left", "right"])
 
     def test_smooth_form_has_no_contact(self):
         v = One("v")
@@ -549,14 +549,6 @@ class TestFriction:
         equations = derive(assemble("g", v >> (I("m", m), dry)))
         assert equations.contacts == ()
         assert equal(rates(equations)["m.p"], -F * sympy.tanh(2 * var("m.p") / m))
-
-    def test_two_redundant_stuck_contacts_are_named(self):
-        v = One("v")
-        pads = [Friction(name, kinetic=lambda speed: F) for name in ("left", "right")]
-        graph = assemble("g", v >> (I("m", m), *pads))
-        with pytest.raises(AlgebraicLoopError) as caught:
-            derive(graph, stuck=["left", "right"])
-        assert {"left.e", "right.e"} & set(caught.value.elements)
 
 
 class TestReports:
@@ -617,6 +609,12 @@ class TestReports:
         assert first.assignments == second.assignments
 
 
+def at_rest(mode):
+    """Expand in a mode's equations with nothing moved of what it holds."""
+    calm = dict.fromkeys([*mode.imposed.values(), *mode.imposed_rates.values()], sympy.S.Zero)
+    return lambda expression: sympy.simplify(mode.equations.substituted(expression).xreplace(calm))
+
+
 def modes_of(graph):
     names = contacts(graph)
     for labels in itertools.product(("stick", "slip+", "slip-"), repeat=len(names)):
@@ -629,7 +627,8 @@ class TestLibrary:
         graph = getattr(models, name).graph()
         check_closed(derive(graph))
         for stuck in itertools.product(*(((), (contact,)) for contact in contacts(graph))):
-            check_closed(derive(graph, stuck=[contact for part in stuck for contact in part]))
+            names = [contact for part in stuck for contact in part]
+            check_closed(mode_equations(derive(graph), names).equations)
 
     def test_in_every_mode(self, name):
         graph = getattr(models, name).graph()
@@ -659,9 +658,14 @@ class TestBrake:
         return w_r, v_c, var("wheel.spokes.q"), var("rear.bending.q")
 
     def check_equation_1(self, equations):
-        found = {name: self.plain(rate) for name, rate in rates(equations).items()}
-        force = self.plain(port(equations, "friction.e"))
+        self.check(rates(equations), port(equations, "friction.e"))
+
+    def check(self, found, force, slides=True):
+        found = {name: self.plain(rate) for name, rate in found.items()}
+        force = self.plain(force)
         w_r, v_c, theta, x_c = self.states()
+        if not slides:
+            v_c = self.r_r * w_r
         torque = self.k_t * theta + self.b_t * (self.w_t - w_r)
         assert equal(found["wheel.rotor.p"], torque - self.r_r * force)
         assert equal(found["rear.mass.p"], force - self.k_f * x_c - self.b_f * v_c)
@@ -676,7 +680,10 @@ class TestBrake:
         self.check_equation_1(derive(in_mode(self.graph, {"friction": mode})))
 
     def test_equation_1_while_stuck(self):
-        self.check_equation_1(derive(self.graph, stuck=["friction"]))
+        mode = mode_equations(derive(self.graph), ["friction"])
+        held = at_rest(mode)
+        found = {s.name: held(r) for s, r in zip(mode.states, mode.derivatives, strict=True)}
+        self.check(found, held(mode.answers["friction"]), slides=False)
 
     def test_friction_force(self):
         equations = derive(in_mode(self.graph, {"friction": "slip+"}))
@@ -703,16 +710,22 @@ class TestBrake:
         }
 
     def test_force_that_keeps_it_stuck(self):
-        equations = derive(self.graph, stuck=["friction"])
+        mode = mode_equations(derive(self.graph), ["friction"])
+        held = at_rest(mode)
         w_r, v_c, theta, x_c = self.states()
         torque = self.k_t * theta + self.b_t * (self.w_t - w_r)
         top = self.r_r * torque / self.J_r + (self.k_f * x_c + self.b_f * v_c) / self.m_f
         bottom = self.r_r**2 / self.J_r + 1 / self.m_f
-        assert equal(self.plain(port(equations, "friction.e")), top / bottom)
+        follows = {var("rear.mass.p"): self.m_f * self.r_r * w_r, v_c: self.r_r * w_r}
+        force = self.plain(held(mode.answers["friction"]))
+        assert equal(force.subs(follows), (top / bottom).subs(follows))
 
     def test_stuck_the_slip_does_not_change(self):
-        equations = derive(self.graph, stuck=["friction"])
-        found = {name: self.plain(rate) for name, rate in rates(equations).items()}
+        mode = mode_equations(derive(self.graph), ["friction"])
+        held = at_rest(mode)
+        found = {
+            s.name: self.plain(held(r)) for s, r in zip(mode.states, mode.derivatives, strict=True)
+        }
         assert equal(self.r_r * found["wheel.rotor.p"] / self.J_r, found["rear.mass.p"] / self.m_f)
 
     def test_the_stuck_graph_loses_a_state(self):
@@ -723,7 +736,9 @@ class TestBrake:
 
     def test_both_ways_of_sticking_agree(self):
         """The re-causalised graph and the held contact give one and the same motion."""
-        held = rates(derive(self.graph, stuck=["friction"]))
+        mode = mode_equations(derive(self.graph), ["friction"])
+        still = at_rest(mode)
+        held = {s.name: still(r) for s, r in zip(mode.states, mode.derivatives, strict=True)}
         equations = derive(in_mode(self.graph, {"friction": "stick"}))
         reduced = rates(equations)
         (missing,) = set(held) - set(reduced)

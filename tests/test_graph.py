@@ -521,3 +521,13 @@ class TestOutputs:
         )
         assert len(graph.parameters) == 1
         assert set(derive(graph).outputs["y"].free_symbols) & set(graph.parameters)
+
+
+def test_a_parameter_named_like_time_is_told():
+    t = sympy.Symbol("t", positive=True)
+    z = Zero("z")
+    parts = Sf("s", 1) >> z >> R("wall", t)
+    (note,) = assemble("g", parts).notes
+    assert "'t' of R 'wall' is taken for time" in note
+    assert assemble("g", parts, parameters={t: 2}).notes == ()
+    assert assemble("g", Sf("s", sympy.Symbol("t")) >> Zero("z") >> R("r", 1)).notes == ()

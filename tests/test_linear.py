@@ -223,11 +223,6 @@ class TestSteadyState:
         with pytest.raises(SteadyStateError, match="depends on time"):
             steady_state(graph)
 
-    def test_algebraic_variables_are_named(self):
-        graph = assemble("g", Zero("u") >> (C("c", 1), R("r", effort=lambda f: f + f**3)))
-        with pytest.raises(SteadyStateError, match=r"r\.f"):
-            steady_state(graph)
-
     def test_missing_values(self):
         graph = assemble("g", Se("F", u) >> One("v") >> (I("m", 1), R("b", 1)))
         with pytest.raises(ParameterError, match="needs a value for u"):
@@ -245,6 +240,24 @@ class TestSteadyState:
         assert close(linearize(graph, at={"m.p": 0}).A, [[0]])
         with pytest.raises(ParameterError, match=r"state 'm\.q' is not known"):
             linearize(graph, at={"m.q": 2})
+
+    def test_at_a_steady_state_nothing_else_is_changed(self):
+        b = sympy.Symbol("b", positive=True)
+        parts = (I("m", 2), R("b", b), Friction("floor", kinetic=lambda s: 3, breakaway=3))
+        push = Se("F", u) >> One("v") >> parts
+        graph = assemble("g", push, parameters={b: (1, "N*s/m")}, inputs=[u])
+        point = steady_state(graph, {"b": 4}, {"u": 11}, {"floor": "slip+"})
+        same = linearize(graph, {b: (0.004, "kN*s/m")}, point, {u: 11}, {"floor": "slip+"})
+        assert close(same.A, [[-2]])
+        for given in (
+            {"parameters": {"b": 5}},
+            {"inputs": {"u": 12}},
+            {"modes": {"floor": "slip-"}},
+        ):
+            with pytest.raises(ParameterError, match="was found with"):
+                linearize(graph, at=point, **given)
+        with pytest.raises(ParameterError, match="'w' is not known"):
+            linearize(graph, at=point, inputs={"w": 1})
 
     def test_parameters_with_units(self):
         b = sympy.Symbol("b", positive=True)

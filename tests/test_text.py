@@ -12,7 +12,6 @@ from matplotlib.mathtext import MathTextParser
 
 from bondgraph import (
     C,
-    Friction,
     I,
     One,
     R,
@@ -146,13 +145,6 @@ class TestText:
         graph = assemble("driven", Se("F", force) >> c, inputs={force: "N"})
         written = text.to_text(derive(graph))
         assert "Inputs\n  force [N]\n  der(force) [N/s]" in written
-
-    def test_a_stuck_contact(self):
-        sled = assemble(
-            "sled", Se("pull", 1) >> One("v") >> (I("m", 1), Friction("floor", kinetic=lambda s: 3))
-        )
-        written = text.to_text(derive(sled, stuck=["floor"]))
-        assert "floor is stuck: v.f = 0 while |floor.e| <= 3" in written
 
     def test_large_models_are_left_as_assignments(self, large):
         written = text.to_text(large)

@@ -174,8 +174,8 @@ class _Scap:
         """All choices, in the order in which they are taken."""
         for name, _ in self.graph.of(Storage):
             yield self._wish(name, Reason.INTEGRAL)
-        for name, friction in self.graph.of(DryFriction):
-            yield self._wish(name, Reason.LAW, firm=friction.smoothing is None)
+        for name, _ in self.graph.of(DryFriction):
+            yield self._wish(name, Reason.LAW)
         for name, resistor in self.graph.of(R):
             if (resistor.effort is None) != (resistor.flow is None):
                 yield self._wish(name, Reason.LAW)

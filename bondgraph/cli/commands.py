@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Literal
 import click
 
 from . import options as opt
+from .symbolic import symbolic
 
 if TYPE_CHECKING:
     from bondgraph.graph import BondGraph
@@ -266,7 +267,7 @@ def stability(
         graph,
         values,
         inputs=opt.read_settings(files, "--input"),
-        modes=_read_modes(fixed),
+        modes=opt.read_modes(fixed),
         vary=ranges or [Vary(*item) for item in usual],
     )
     page = None
@@ -282,14 +283,4 @@ def stability(
         click.echo(f"report: {page}")
 
 
-def _read_modes(words: tuple[str, ...]) -> dict[str, str]:
-    modes = {}
-    for word in words:
-        name, equals, mode = word.rpartition("=")
-        if not equals:
-            raise click.UsageError(f"--mode {word!r}: write NAME=stick, NAME=slip+ or NAME=slip-")
-        modes[name] = mode
-    return modes
-
-
-ALL = (models, show, equations, simulate, stability)
+ALL = (models, show, equations, symbolic, simulate, stability)

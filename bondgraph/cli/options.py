@@ -76,6 +76,27 @@ def read_settings(settings: tuple[str, ...], what: str = "--set") -> dict[str, A
     return values
 
 
+def read_modes(words: tuple[str, ...]) -> dict[str, str]:
+    """Read NAME=MODE words.
+
+    Raises
+    ------
+    click.UsageError
+
+    Examples
+    --------
+    >>> read_modes(("pads.contact=slip+",))
+    {'pads.contact': 'slip+'}
+    """
+    modes = {}
+    for word in words:
+        name, equals, mode = word.rpartition("=")
+        if not equals:
+            raise click.UsageError(f"--mode {word!r}: write NAME=stick, NAME=slip+ or NAME=slip-")
+        modes[name] = mode
+    return modes
+
+
 def read_number(text: str, what: str) -> float:
     """Read a finite number, or raise a usage error that says where.
 

@@ -8,7 +8,7 @@ the causality its law wants is worked out like any other.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, Generic, TypeVar
 
 import sympy
@@ -53,12 +53,8 @@ class Field(Generic[P]):
                 elements=[self.name],
             ) from None
 
-    def __iter__(self) -> Iterator[P]:
-        """Iterate over the elements of the ports, in order."""
-        return iter(self.ports.values())
-
-    def __len__(self) -> int:
-        return len(self.ports)
+    # Not iterable: a tuple fans out, and a field must not by accident.
+    __iter__ = None
 
 
 class _StorageField(Field[Any]):

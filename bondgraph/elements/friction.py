@@ -13,7 +13,7 @@ from ..errors import LawError
 from ..laws import regularised
 from .base import OnePort
 from .dissipators import R
-from .sources import Sf
+from .sources import Se, Sf
 from .switched import Switched
 
 STICK, SLIP_FORWARD, SLIP_BACKWARD = "stick", "slip+", "slip-"
@@ -83,12 +83,24 @@ class DryFriction(Switched):
         """Whether the element has modes; the smooth form has none."""
         return self.smoothing is None
 
-    def plain(self, code: int, imposed: sympy.Expr = sympy.S.Zero) -> OnePort:
-        """Return the element that this one is while it stays in a mode."""
+    def plain(self, code: Any, imposed: sympy.Expr = sympy.S.Zero) -> OnePort:
+        """Return the element that this one is while it stays in a mode.
+
+        Slipping, it is a source of effort where the effort does not depend on
+        speed, which may bind a state: a spring in series yields.
+        """
         if code == 0:
             return self._twin(Sf(self.name, imposed))
-        law = self.slipping(sympy.Integer(code))
+        law = self.slipping(sympy.sympify(code))
+        if self.speed not in self.kinetic.free_symbols:
+            return self._twin(Se(self.name, law + imposed))
         return self._twin(R(self.name, effort=lambda flow: law.xreplace({self.f: flow})))
+
+    def next_code(self, code: int, effort: float, flow: float) -> int:
+        """Return the mode that follows where a margin is used up: overloaded it slips, at rest it sticks."""
+        if code:
+            return 0
+        return 1 if effort > 0 else -1
 
     def margin(self, code: int) -> sympy.Expr:
         """Return what stays positive while a mode lasts."""

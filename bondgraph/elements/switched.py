@@ -56,6 +56,10 @@ class Switched(OnePort):
         """Return what stays positive while a mode lasts, in the element's own variables."""
         raise NotImplementedError
 
+    def next_code(self, code: int, effort: float, flow: float) -> int:
+        """Return the mode that follows where a margin is used up, at an effort and flow."""
+        return 1 - code
+
     def code(self, mode: Any) -> int:
         """Return the code of a mode by its label.
 

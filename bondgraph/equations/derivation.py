@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
 import sympy
@@ -26,7 +26,7 @@ from ..elements import (
     TwoPort,
     Zero,
 )
-from ..errors import BondGraphError, CausalConflictError, LawError
+from ..errors import CausalConflictError, LawError
 from ..graph import BondGraph
 from ..rates import Rates
 from .accounts import Accounts
@@ -37,16 +37,13 @@ from .value import Contact, Equations, assert_closed
 MAX_DEPENDENT_CHOICES = 60
 
 
-def derive(graph: BondGraph | CausalGraph, stuck: Collection[str] = ()) -> Equations:
+def derive(graph: BondGraph | CausalGraph) -> Equations:
     """Derive the state equations.
 
     Parameters
     ----------
     graph : BondGraph or CausalGraph
         Causality is assigned first where it is not yet.
-    stuck : collection of str
-        Qualified names of Friction elements held at zero slip; their effort is
-        solved from the rates, and the state vector stays whole.
 
     Returns
     -------
@@ -66,17 +63,6 @@ def derive(graph: BondGraph | CausalGraph, stuck: Collection[str] = ()) -> Equat
     ['6 - 2*m.p']
     """
     causal = graph if isinstance(graph, CausalGraph) else assign_causality(graph)
-    open_contacts = {
-        name for name, element in causal.graph.of(DryFriction) if element.smoothing is None
-    }
-    unknown = [name for name in stuck if name not in open_contacts]
-    if unknown:
-        raise BondGraphError(
-            f"{', '.join(unknown)}: no Friction with modes of graph {causal.graph.name!r}",
-            elements=unknown,
-        )
-    if stuck:
-        return _Derivation(causal, frozenset(stuck)).equations()
     return _with_hidden_constraints(causal)
 
 
@@ -87,7 +73,7 @@ def _with_hidden_constraints(causal: CausalGraph) -> Equations:
     that causality takes for independent.
     """
     try:
-        return _Derivation(causal, frozenset()).equations()
+        return _Derivation(causal).equations()
     except SingularLoopError as singular:
         queue: list[tuple[tuple[str, ...], SingularLoopError]] = [((), singular)]
         tried: set[frozenset[str]] = set()
@@ -100,7 +86,7 @@ def _with_hidden_constraints(causal: CausalGraph) -> Equations:
                 tried.add(frozenset(dependent))
                 try:
                     revised = assign_causality(causal.graph, dependent)
-                    return _Derivation(revised, frozenset()).equations(checked=True)
+                    return _Derivation(revised).equations(checked=True)
                 except SingularLoopError as deeper:
                     queue.append((dependent, deeper))
                 except (CausalConflictError, _NotDependentError):
@@ -127,10 +113,9 @@ class _NotDependentError(Exception):
 class _Derivation:
     """Builds the tables of variables, then orders and solves them."""
 
-    def __init__(self, causal: CausalGraph, stuck: frozenset[str]) -> None:
+    def __init__(self, causal: CausalGraph) -> None:
         self.causal = causal
         self.graph = causal.graph
-        self.stuck = stuck
         self.nets = Nets(self.graph)
         self.explicit: dict[sympy.Symbol, sympy.Expr] = {}
         self.implicit: dict[sympy.Symbol, sympy.Expr] = {}
@@ -165,7 +150,6 @@ class _Derivation:
             self.explicit, self.implicit, self.states, self.graph.inputs, self.answers, heard
         )
         self._dependent_storages(rates)
-        self._stuck_contacts(rates)
         rates.finish()
         self._forget_signals()
         accounts = Accounts(self.graph, self.nets, self._local)
@@ -394,16 +378,18 @@ class _Derivation:
 
     def _write_friction(self, name: str, element: DryFriction) -> None:
         if self.effort_out[self.nets.at[name][0]] != name:
-            raise LawError(
-                f"{element.kind} {name!r} is made to decide its flow, which dry friction cannot; "
-                f"add a compliance or inertia beside it",
-                elements=[name],
-            )
+            if element.smoothing is not None:
+                raise LawError(
+                    f"{element.kind} {name!r} is made to decide its flow, which its smooth law cannot; "
+                    f"add a compliance or inertia beside it",
+                    elements=[name],
+                )
+            self._write_switch(name, element)
+            return
         if element.smoothing is not None:
             self.explicit[self.names[element.e]] = self._local(element.smoothed())
             return
         direction = sympy.Symbol(f"{name}.direction", real=True)
-        held = name in self.stuck
         self.contacts.append(
             Contact(
                 name,
@@ -411,11 +397,9 @@ class _Derivation:
                 self.names[element.f],
                 self.names[element.e],
                 self._local(element.breakaway),
-                held,
             )
         )
-        if not held:
-            self.explicit[self.names[element.e]] = self._local(element.slipping(direction))
+        self.explicit[self.names[element.e]] = self._local(element.slipping(direction))
 
     def _dependent_storages(self, rates: Rates) -> None:
         """Close storages in derivative causality: the conjugate is the rate of their state."""
@@ -423,12 +407,6 @@ class _Derivation:
             element = self.graph.elements[name]
             assert isinstance(element, Storage)
             self.explicit[self._conjugate(element)] = rates.later(self.storage[name])
-
-    def _stuck_contacts(self, rates: Rates) -> None:
-        """Hold stuck contacts: their effort is the one at which the slip's rate is zero."""
-        for contact in self.contacts:
-            if contact.stuck:
-                self.implicit[contact.effort] = rates.full.later(contact.slip)
 
     def _check_dependence(self) -> None:
         """Raise unless the states of dependent storages are free of what these answer."""

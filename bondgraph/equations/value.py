@@ -27,8 +27,6 @@ class Contact:
         The contact's flow and effort.
     breakaway : Expr
         Largest effort while stuck, in the equations' variables.
-    stuck : bool
-        Whether these equations hold the contact stuck.
     """
 
     name: str
@@ -36,7 +34,6 @@ class Contact:
     slip: sympy.Symbol
     effort: sympy.Symbol
     breakaway: sympy.Expr
-    stuck: bool
 
 
 @dataclass(frozen=True, eq=False)

@@ -87,7 +87,7 @@ def assemble(
         MappingProxyType(symbols.inputs),
         MappingProxyType(_outputs(name, outputs or {}, builder, symbols)),
         disconnected(name, elements, bonds),
-        tuple(notes),
+        (*notes, *symbols.notes),
     )
 
 

@@ -28,6 +28,7 @@ class Symbols:
         self.graph = graph
         self.own = {symbol for element in elements.values() for symbol in element.symbols.values()}
         self.merged: dict[sympy.Basic, sympy.Basic] = {}
+        self.notes: list[str] = []
         self._by_name: dict[str, sympy.Symbol] = {}
         given_inputs = dict(inputs) if isinstance(inputs, Mapping) else dict.fromkeys(inputs, "")
         for symbol, unit in given_inputs.items():
@@ -92,8 +93,13 @@ class Symbols:
                     elements=[user],
                 )
             if symbol.name == TIME.name and symbol.name not in self._by_name:
-                if symbol != TIME:
+                if symbol != TIME and symbol not in self.merged:
                     self.merged[symbol] = TIME
+                    if symbol.assumptions0 != sympy.Symbol(symbol.name).assumptions0:
+                        self.notes.append(
+                            f"symbol {symbol.name!r} of {user} is taken for time; give it a row in parameters "
+                            f"if it is a parameter"
+                        )
                 found.append(TIME)
             else:
                 found.append(self._known(symbol))

@@ -20,10 +20,11 @@ from types import MappingProxyType
 import sympy
 
 from ..causality import assign_causality
-from ..elements import C, DryFriction, Storage, Switched
+from ..elements import C, DryFriction, Element, Storage, Switched
 from ..equations import Equations, derive
 from ..errors import BondGraphError, CausalConflictError
 from ..graph import BondGraph
+from ..parameters import Parameter
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,7 +36,8 @@ class ModeEquations:
     held : frozenset of str
         Switching elements in their mode of code 0, in which the flow is held.
     equations : Equations
-        Of the graph in the mode. Frictions that slip keep their direction open.
+        Of the graph in the mode. Frictions that slip keep their direction open,
+        and count it among the parameters.
     states : tuple of Symbol
         Of the whole graph.
     derivatives : tuple of Expr
@@ -48,6 +50,8 @@ class ModeEquations:
         where the equations use them.
     answers : mapping of str to Expr
         By switching element: effort where the flow is held, else flow.
+    directions : mapping of str to Symbol
+        By friction that slips: +1 or -1, a free symbol of the equations.
     margins, values : mapping of str to Expr
         By switching element: what stays positive while the mode lasts; the slip
         or holding effort of a Friction, the margin itself of others.
@@ -61,6 +65,7 @@ class ModeEquations:
     imposed: Mapping[str, sympy.Symbol]
     imposed_rates: Mapping[str, sympy.Symbol]
     answers: Mapping[str, sympy.Expr]
+    directions: Mapping[str, sympy.Symbol]
     margins: Mapping[str, sympy.Expr]
     values: Mapping[str, sympy.Expr]
 
@@ -101,17 +106,25 @@ def mode_equations(base: Equations, held: Collection[str]) -> ModeEquations:
         for name, element in graph.of(Switched)
         if element.switches
     }
-    plain = {
-        name: graph.elements[name].plain(0 if name in held else 1, symbol)  # type: ignore[attr-defined]
-        for name, symbol in imposed.items()
-        if name in held or not isinstance(graph.elements[name], DryFriction)
+    directions = {
+        name: sympy.Symbol(f"{name}.direction", real=True)
+        for name, element in graph.of(DryFriction)
+        if name in imposed and name not in held
     }
+    plain = {
+        name: graph.elements[name].plain(directions.get(name, _code(name in held)), symbol)  # type: ignore[attr-defined]
+        for name, symbol in imposed.items()
+        if name not in directions or not _depends_on_speed(graph.elements[name])
+    }
+    constant = dict.fromkeys(directions.values(), Parameter())
     frozen = replace(
         graph,
         elements=MappingProxyType({**graph.elements, **plain}),
         inputs=MappingProxyType({**graph.inputs, **{imposed[name]: "" for name in plain}}),
+        parameters=MappingProxyType({**graph.parameters, **constant}),
     )
-    equations = _derived(frozen, base)
+    equations = base if not plain else _derived(frozen, base)
+    _refuse_open(equations)
     rates = _rates(equations)
     missing = [state.name for state in equations.states if state not in base.states]
     if missing:
@@ -128,7 +141,7 @@ def mode_equations(base: Equations, held: Collection[str]) -> ModeEquations:
         stays = name in held
         variables = {element.e: own[element.e], element.f: own[element.f]}
         answers[name] = variables[element.e if stays else element.f]
-        direction = {c.name: c.direction for c in equations.contacts}.get(name)
+        direction = directions.get(name)
         if direction is not None:
             margins[name], values[name] = direction * variables[element.f], variables[element.f]
         else:
@@ -148,6 +161,7 @@ def mode_equations(base: Equations, held: Collection[str]) -> ModeEquations:
             {n: equations.input_rates[s] for n, s in imposed.items() if s in equations.input_rates}
         ),
         answers=MappingProxyType(answers),
+        directions=MappingProxyType(directions),
         margins=MappingProxyType(margins),
         values=MappingProxyType(values),
     )
@@ -162,6 +176,27 @@ def _derived(graph: BondGraph, base: Equations) -> Equations:
         except CausalConflictError:
             pass
     return derive(graph)
+
+
+def _code(held: bool) -> int:
+    return 0 if held else 1
+
+
+def _depends_on_speed(friction: Element) -> bool:
+    """Whether a friction's effort while it slips is a law of its speed, so that it is no source."""
+    assert isinstance(friction, DryFriction)
+    return friction.speed in friction.kinetic.free_symbols
+
+
+def _refuse_open(equations: Equations) -> None:
+    """Refuse a mode in which a friction's law of speed would have to decide the speed."""
+    if equations.switches:
+        names = list(equations.switches)
+        raise BondGraphError(
+            f"graph {equations.name!r}: while it slips, {', '.join(names)} would have to decide a flow, which dry "
+            f"friction that depends on speed cannot; add a compliance or inertia beside it",
+            elements=names,
+        )
 
 
 def _rates(equations: Equations) -> dict[sympy.Symbol, sympy.Expr]:

@@ -13,18 +13,18 @@ from typing import Any
 import numpy
 import sympy
 
-from ..causality import CausalGraph, assign_causality
+from ..causality import CausalGraph
 from ..codegen.program import Program
-from ..codegen.to_casadi import to_casadi
 from ..codegen.to_numpy import to_numpy
 from ..dimensions import infer
 from ..elements import C, Storage
 from ..equations import Equations, derive
-from ..errors import SimulationError
+from ..errors import BondGraphError
 from ..graph import TIME, BondGraph
-from ..modes import contacts
+from ..modes import contacts, mode_equations
 from ..parameters import Resolver
-from .switched.functions import SwitchedModel
+from .dae import SmoothFunctions, smooth_functions
+from .mode_set import ModeSet
 from .table import ModeFunctions, ModeTable
 
 Array = numpy.ndarray
@@ -44,14 +44,11 @@ class CompiledModel:
     equations : Equations
         With all contacts slipping.
     modes : ModeTable
-        Functions by structural mode: the bit mask of stuck contacts.
+        Functions by structural mode: the bit mask of held contacts.
+    switched : bool
+        Whether runs search their modes, on the virtual machine.
     resolver : Resolver
         Evaluates the parameter table.
-
-    Raises
-    ------
-    SimulationError
-        If the equations keep algebraic variables.
 
     Examples
     --------
@@ -61,30 +58,44 @@ class CompiledModel:
     """
 
     def __init__(self, graph: BondGraph | CausalGraph) -> None:
-        self._causal = graph if isinstance(graph, CausalGraph) else assign_causality(graph)
-        self._equations: dict[int, Equations] = {}
-        self.switched: SwitchedModel | None = None
-        self.equations = self.in_mask(0)
-        self.switched = self._switched()
+        self.equations = derive(graph)
         self.contact_names = contacts(self.equations.graph)
         self.resolver = Resolver(self.equations.graph.parameters)
+        self.switched = self._must_search()
+        self._set_of_modes = self._modes_with_rates()
         sizes = (len(self.equations.states), len(self.equations.inputs), len(self.contact_names))
         self.modes = ModeTable(*sizes, self._functions)
         self._signals: dict[tuple[int, tuple[str, ...]], Callable[..., Any]] = {}
 
-    def _switched(self) -> SwitchedModel | None:
-        """Return the modes of a graph whose switching elements are not all frictions."""
+    def _must_search(self) -> bool:
+        """Whether modes must be searched: they bind states, keep algebraic variables, or exclude each other.
+
+        Frictions that decide efforts beside explicit equations, and may all stick at once, need
+        none of that and run as compiled C.
+        """
         equations = self.equations
-        if not equations.switches:
-            return None
-        rates = {
-            symbol: sympy.Symbol(f"der({symbol.name})", real=True)
-            for symbol in equations.graph.inputs
-        }
+        if equations.switches or (equations.contacts and equations.algebraic):
+            return True
+        if not equations.contacts:
+            return False
+        try:
+            stuck = mode_equations(equations, self.contact_names)
+        except BondGraphError:
+            return True
+        return bool(stuck.equations.algebraic)
+
+    def _modes_with_rates(self) -> ModeSet:
+        """Return the modes; rates of inputs that some mode may need are counted among the inputs."""
+        equations = self.equations
+        inputs = equations.graph.inputs
+        needed = set(inputs) if self.switched else set()
+        if equations.contacts and inputs and not self.switched:
+            needed = set(mode_equations(equations, self.contact_names).equations.input_rates)
+        rates = {s: sympy.Symbol(f"der({s.name})", real=True) for s in inputs if s in needed}
         rates |= equations.input_rates
-        inputs = tuple(dict.fromkeys((*equations.inputs, *rates.values())))
-        self.equations = replace(equations, inputs=inputs, input_rates=rates)
-        return SwitchedModel(self.equations, inputs, equations.parameters)
+        known = tuple(dict.fromkeys((*equations.inputs, *rates.values())))
+        self.equations = replace(equations, inputs=known, input_rates=rates)
+        return ModeSet(self.equations, known, equations.parameters)
 
     def in_mask(self, mask: int) -> Equations:
         """Return the equations of a structural mode, derived on first use.
@@ -92,26 +103,14 @@ class CompiledModel:
         Parameters
         ----------
         mask : int
-            Bit j is set where contact j is stuck.
+            Bit j is set where contact j is held.
         """
-        if self.switched is not None:
-            return self.switched.equations(mask).equations
-        if mask not in self._equations:
-            stuck = (
-                []
-                if mask == 0
-                else [name for bit, name in enumerate(self.contact_names) if mask >> bit & 1]
-            )
-            equations = derive(self._causal, stuck=stuck)
-            if equations.algebraic:
-                names = ", ".join(symbol.name for symbol in equations.algebraic)
-                raise SimulationError(
-                    f"model {equations.name!r} keeps algebraic variables ({names}), which the explicit "
-                    f"integrator cannot follow; add a compliance or inertia where they arise",
-                    elements=[symbol.name for symbol in equations.algebraic],
-                )
-            self._equations[mask] = equations
-        return self._equations[mask]
+        return self._set_of_modes.equations(mask).equations
+
+    @property
+    def mode_set(self) -> ModeSet:
+        """The modes, for a run that searches them."""
+        return self._set_of_modes
 
     def signals(self, mask: int, names: tuple[str, ...]) -> Callable[..., Any]:
         """Return a NumPy function of named signals in a structural mode.
@@ -126,26 +125,23 @@ class CompiledModel:
         -------
         callable
             ``(t, x, u, p, s)``, each of shape (size, ...), to one array of
-            shape (len(names), ...).
+            shape (len(names), ...). Algebraic variables follow the states in x.
         """
         key = (mask, names)
         if key not in self._signals:
             equations = self.in_mask(mask)
             results = [self.expression(equations, name) for name in names]
-            if self.switched is not None:
-                program = self.switched.program(mask, "signals", {"out": results})
-                calm = [numpy.zeros((len(symbols), 1)) for _, symbols in program.arguments[-2:]]
-                whole = to_numpy(program)
-                self._signals[key] = lambda *arguments: whole(*arguments, *calm)[0]
-                return self._signals[key]
-            function = to_numpy(self._program(equations, "signals", results))
-            self._signals[key] = lambda *arguments: function(*arguments)[0]
+            if self.contact_names:
+                self._signals[key] = self._set_of_modes.signals(mask, results)
+            else:
+                function = to_numpy(self._program(equations, "signals", results))
+                self._signals[key] = lambda *arguments: function(*arguments)[0]
         return self._signals[key]
 
     def expression(self, equations: Equations, name: str) -> sympy.Expr:
         """Return the expression behind a signal's name, or raise KeyError."""
-        states = {state.name: state for state in equations.states}
-        for table in (equations.outputs, states, equations.ports):
+        solved = {symbol.name: symbol for symbol in (*equations.states, *equations.algebraic)}
+        for table in (equations.outputs, solved, equations.ports):
             if name in table:
                 return table[name]
         for symbol in (*equations.inputs, *equations.parameters):
@@ -155,13 +151,14 @@ class CompiledModel:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Names of all signals: outputs, states, inputs and port variables."""
+        """Names of all signals: outputs, states, inputs, port and algebraic variables."""
         equations = self.equations
         names = [
             *equations.outputs,
             *(symbol.name for symbol in (*equations.states, *equations.inputs)),
         ]
-        return tuple(dict.fromkeys([*names, *equations.ports]))
+        implicit = (symbol.name for symbol in equations.algebraic)
+        return tuple(dict.fromkeys([*names, *equations.ports, *implicit]))
 
     @functools.cached_property
     def units(self) -> Mapping[str, str | None]:
@@ -169,8 +166,13 @@ class CompiledModel:
         return infer(self.equations.graph).units
 
     @functools.cached_property
+    def smooth(self) -> SmoothFunctions:
+        """Functions for the integrators of smooth models, contacts and modes aside."""
+        return smooth_functions(self.equations, self._parameters())
+
+    @functools.cached_property
     def stored(self) -> Callable[..., Array] | None:
-        """Stored energy as a function of ``(t, x, u, p, s)``.
+        """Stored energy as a function of ``(t, x, u, p, s)``, x with the algebraic variables.
 
         Laws without a known potential are integrated numerically from zero;
         None where a storage is modulated and has no potential.
@@ -199,8 +201,10 @@ class CompiledModel:
             element = elements.get(state.name)
             if element is None:  # a signal block holds no energy
                 slopes.append(sympy.S.Zero)
-            else:
-                slopes.append(sympy.diff(element.law, element.state).xreplace(local))
+                continue
+            slope = sympy.diff(element.law, element.state).xreplace(local)
+            # a law that jumps has no slope there that a number could tell
+            slopes.append(slope.replace(sympy.DiracDelta, lambda *_: sympy.S.Zero))
         function = to_numpy(self._program(equations, "stiffness", slopes))
         return lambda *arguments: function(*arguments)[0]
 
@@ -232,27 +236,15 @@ class CompiledModel:
         return energy
 
     def _functions(self, mask: int) -> ModeFunctions:
-        equations = self.in_mask(mask)
-        supplied = sympy.Add(*equations.supplied.values())
-        dissipated = sympy.Add(*equations.dissipated.values())
-        rhs = self._program(equations, "rhs", [*equations.derivatives, supplied, dissipated])
-        margins, values = [], []
-        for contact in equations.contacts:
-            if contact.stuck:
-                margins.append(contact.breakaway - sympy.Abs(contact.effort))
-                values.append(contact.effort)
-            else:
-                margins.append(contact.direction * contact.slip)
-                values.append(contact.slip)
-        guard = self._program(equations, "guard", [*margins, *values])
-        return ModeFunctions(to_casadi(rhs), to_casadi(guard) if equations.contacts else None)
+        rhs, guard = self._set_of_modes.calm(mask)
+        return ModeFunctions(rhs, guard if self.contact_names else None)
 
     def _program(self, equations: Equations, name: str, results: Iterable[sympy.Expr]) -> Program:
         return Program.pruned(
             name,
             [
                 ("t", [TIME]),
-                ("x", equations.states),
+                ("x", (*equations.states, *equations.algebraic)),
                 ("u", equations.inputs),
                 ("p", self._parameters()),
                 ("s", equations.directions),
@@ -263,7 +255,7 @@ class CompiledModel:
 
     def _parameters(self) -> tuple[sympy.Symbol, ...]:
         """The parameter vector is the same in all modes."""
-        return self._equations[0].parameters
+        return self.equations.parameters
 
 
 def _letter(element: Storage) -> str:

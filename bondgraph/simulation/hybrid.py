@@ -8,17 +8,17 @@ machine; both give the same bits.
 from __future__ import annotations
 
 import logging
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
 from ..errors import SimulationError
+from .buffered import evaluator
 from .compiler import CompileError
 from .native import NativeRun
 from .outcome import Outcome
 from .problem import Event, InputTable, Options, Problem, Solution
 from .stepper import Stepper
-from .table import is_casadi
 
 if TYPE_CHECKING:
     from .stepper import Model
@@ -106,27 +106,6 @@ def solution_of(stepper: Stepper, outcome: Outcome) -> Solution:
         (stepper.steps, stepper.rejected, stepper.evaluations),
         "vm",
     )
-
-
-def evaluator(function: Any) -> Model:
-    """A CasADi function as a plain one, through its buffer: a microsecond a call."""
-    if not is_casadi(function):
-        return function
-    buffer, trigger = function.buffer()
-    arguments = [np.zeros(function.nnz_in(i)) for i in range(5)]
-    result = np.zeros(function.nnz_out(0))
-    for i, argument in enumerate(arguments):
-        buffer.set_arg(i, argument.data)
-    buffer.set_res(0, result.data)
-    t_, x_, u_, p_, s_ = arguments
-
-    def evaluate(t: float, x: Array, u: Array, p: Array, s: Array) -> Array:
-        t_[0], x_[:], u_[:], p_[:], s_[:] = t, x, u, p, s
-        trigger()
-        return result.copy()
-
-    evaluate.buffer = buffer  # type: ignore[attr-defined]  # keeps it alive
-    return evaluate
 
 
 # ---------------------------------------------------------------------- compiled

@@ -26,6 +26,7 @@ class Outcome(enum.Enum):
     NO_MODE = "no consistent mode"
     STEP_UNDERFLOW = "step underflow"
     STEP_LIMIT = "step limit"
+    SINGULAR = "singular"
     NON_FINITE = "non-finite"
     DIVERGED = "diverged"
     TIME_BUDGET = "time budget"
@@ -65,6 +66,11 @@ _ADVICE = {
     Outcome.STEP_LIMIT: (
         "more steps than allowed; the model may be stiff: raise max_steps, loosen rtol or shorten "
         "the time span"
+    ),
+    Outcome.SINGULAR: (
+        "the algebraic variables are no longer determined here: their equations have no solution "
+        "near by, such as past the fold of a law that falls and rises; the motion would have to "
+        "jump: add a compliance or inertia where they arise"
     ),
     Outcome.NON_FINITE: (
         "the model returned NaN or infinity here; look for a division by zero, a logarithm or a "

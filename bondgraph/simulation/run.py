@@ -9,13 +9,17 @@ from typing import Any, Literal
 import numpy
 
 from ..causality import CausalGraph
+from ..codegen.program import ProgramError
 from ..errors import SimulationError
 from ..graph import BondGraph
-from ..values import initial_values, parameter_values
+from ..values import algebraic_guess, initial_values, parameter_values
 from .compiled import CompiledModel
+from .dae import initial_algebraic
 from .hybrid import integrate
 from .inputs import at, gather
 from .problem import Options, Problem, Solution
+from .smooth_run import SmoothProblem, SmoothSolution, integrate_smooth, tabled
+from .solvers import choose
 from .switched import integrate_switched
 from .trajectory import Energy, Event, Trajectory
 
@@ -35,8 +39,11 @@ def simulate(
     max_steps: int = 10_000_000,
     time_budget: float = 600.0,
     backend: Literal["auto", "native", "vm"] = "auto",
+    solver: Literal["auto", "dopri5", "cvodes", "idas", "rosenbrock"] = "auto",
 ) -> Trajectory:
     """Simulate a model in time; contacts stick and slip at located events.
+
+    A model that keeps algebraic variables is integrated together with them.
 
     Parameters
     ----------
@@ -48,12 +55,17 @@ def simulate(
         Values by name or symbol, in SI or as ``(value, unit)``.
     initial : mapping, optional
         Initial states by name or symbol; the elements' own unless given. An
-        output that fixes one state, such as a speed, may be given instead.
+        output that fixes one state, such as a speed, may be given instead. The
+        name of an algebraic variable gives the guess from which its solution is
+        sought, zero otherwise; where its equations have several solutions, the
+        run stays on the branch found from there.
     inputs : mapping, optional
         By name or symbol: a number, ``(times, values)``, `Samples`, or a
-        function of time (which runs on the slower virtual machine).
+        function of time (dopri5 only; it runs on the slower virtual machine).
     t_eval : (nt,) array-like, optional
-        Times to report; the integrator's own steps unless given.
+        Times to report; the integrator's own steps unless given. CasADi's
+        integrators do not tell theirs: they report 1000 equal steps, and denser
+        ones after the start and each jump of an input.
     rtol : float
         Relative tolerance, 1e-13 to 0.1.
     atol : float
@@ -67,7 +79,12 @@ def simulate(
         Wall-clock limit, s.
     backend : {"auto", "native", "vm"}
         Compiled C, or CasADi's virtual machine; auto compiles where a C
-        compiler is found.
+        compiler is found and the solver is dopri5.
+    solver : {"auto", "dopri5", "cvodes", "idas", "rosenbrock"}
+        dopri5, explicit, locates events; the others, by CasADi, are for stiff
+        models without contacts: cvodes for those without algebraic variables,
+        idas and rosenbrock with or without. Auto takes dopri5 where it can,
+        else rosenbrock.
 
     Returns
     -------
@@ -89,21 +106,11 @@ def simulate(
     model = graph if isinstance(graph, CompiledModel) else CompiledModel(graph)
     span = _span(t_span)
     equations = model.equations
+    chosen = choose(model, solver, backend)
     values = parameter_values(equations, parameters, model.resolver)
-    table = gather(equations, inputs, switched=model.switched is not None)
+    table = gather(equations, inputs, switched=model.switched)
     x0 = numpy.array(initial_values(equations, values, initial), dtype=float)
     p = numpy.array([values[symbol.name] for symbol in equations.parameters], dtype=float)
-    stored, weights = _measures(model, span[0], x0, table, p)
-    start = stored(span[0], x0) if stored else 0.0
-    problem = Problem(
-        modes=model.modes,
-        parameters=p,
-        x0=x0,
-        t_span=span,
-        inputs=table,
-        weights=weights,
-        energy0=start,
-    )
     options = Options(
         rtol=_tolerance(rtol),
         atol=float(atol),
@@ -114,20 +121,83 @@ def simulate(
         t_eval=_grid(t_eval, span),
         backend=backend,
     )
+    try:
+        if chosen == "dopri5":
+            return _hybrid(model, (span, x0, p), values, table, options)
+        guess = numpy.array(algebraic_guess(equations, initial))
+        return _smooth(model, (span, x0, p), values, (table, guess), options, chosen)
+    except ProgramError as error:
+        raise SimulationError(
+            f"model {equations.name!r} cannot be turned into numbers: {error}"
+        ) from None
+
+
+def _hybrid(
+    model: CompiledModel,
+    start: tuple[tuple[float, float], numpy.ndarray, numpy.ndarray],
+    values: dict[str, float],
+    table: Any,
+    options: Options,
+) -> Trajectory:
+    span, x0, p = start
+    if not model.switched:
+        model.modes.functions(0)  # first, to say by name what has no numeric form
+    stored, weights = _measures(model, span[0], x0, table, p)
+    energy = stored(span[0], x0) if stored else 0.0
+    problem = Problem(
+        modes=model.modes,
+        parameters=p,
+        x0=x0,
+        t_span=span,
+        inputs=table,
+        weights=weights,
+        energy0=energy,
+    )
     solution = _integrate(model, problem, options)
     end = stored(solution.t_end, solution.x_end) if stored else None
-    return _trajectory(model, solution, values, table, _audit(solution, start, end))
+    return _trajectory(model, solution, values, table, _audit(solution, energy, end))
+
+
+def _smooth(
+    model: CompiledModel,
+    start: tuple[tuple[float, float], numpy.ndarray, numpy.ndarray],
+    values: dict[str, float],
+    given: tuple[Any, numpy.ndarray],
+    options: Options,
+    solver: str,
+) -> Trajectory:
+    (span, x0, p), (inputs, guess) = start, given
+    table = tabled(inputs, solver)
+    u0 = at(table, numpy.array(span[:1]))[:, 0]
+    problem = SmoothProblem(
+        functions=model.smooth,
+        parameters=p,
+        x0=x0,
+        z0=initial_algebraic(model.smooth, span[0], x0, u0, p, guess),
+        t_span=span,
+        inputs=table,
+        solver=solver,
+        options=options,
+    )
+    solution = integrate_smooth(problem)
+    stored, _ = _measures(model, span[0], numpy.append(x0, problem.z0), table, p)
+    ends = (None, None)
+    if stored:
+        first = stored(span[0], numpy.append(x0, problem.z0))
+        ends = first, stored(solution.t_end, numpy.append(solution.x_end, solution.z_end))
+    audit = _audit(solution, ends[0] or 0.0, ends[1])
+    return _smooth_trajectory(model, solution, values, table, audit, solver)
 
 
 def _integrate(model: CompiledModel, problem: Problem, options: Options) -> Solution:
-    if model.switched is None:
+    if not model.switched:
         return integrate(problem, options)
     if options.backend == "native":
         raise SimulationError(
             f"model {model.equations.name!r} has switching elements other than friction, which run on the "
             f"virtual machine; use backend='auto'"
         )
-    return integrate_switched(problem, options, model.switched)
+    return integrate_switched(problem, options, model.mode_set)
 
 
 def _span(t_span: Any) -> tuple[float, float]:
@@ -165,22 +235,25 @@ def _measures(
     model: CompiledModel, t0: float, x0: numpy.ndarray, table: Any, p: numpy.ndarray
 ) -> tuple[Any, numpy.ndarray]:
     """Return the stored-energy function of (t, x), and each state's scale for unit energy."""
+    # What hangs on the algebraic variables of open modes is not known.
+    open_ended = numpy.full(len(model.equations.algebraic) if model.switched else 0, numpy.nan)
 
     def arguments(t: float, x: numpy.ndarray) -> tuple[Any, ...]:
+        x = numpy.append(x, open_ended)
         directions = numpy.ones((len(model.equations.contacts), 1))
         return numpy.array([[t]]), x[:, None], at(table, numpy.array([t])), p[:, None], directions
 
     slopes = model.stiffness_at(*arguments(t0, x0))[:, 0]
-    weights = numpy.zeros(len(x0))
+    weights = numpy.zeros(len(slopes))
     usable = numpy.isfinite(slopes) & (slopes > 0)
     weights[usable] = 1 / numpy.sqrt(slopes[usable])
     energy = model.stored
-    if energy is None:
+    if energy is None or not numpy.isfinite(energy(*arguments(t0, x0))[0]):
         return None, weights
     return lambda t, x: float(energy(*arguments(t, x))[0]), weights
 
 
-def _audit(solution: Solution, start: float, end: float | None) -> Energy:
+def _audit(solution: Solution | SmoothSolution, start: float, end: float | None) -> Energy:
     supplied, dissipated = float(solution.supplied_end), float(solution.dissipated_end)
     if end is None:
         return Energy(supplied, None, dissipated, None)
@@ -219,4 +292,34 @@ def _trajectory(
         inputs=table,
         x_end=solution.x_end,
         codes_end=solution.codes_end,
+    )
+
+
+def _smooth_trajectory(
+    model: CompiledModel,
+    solution: SmoothSolution,
+    values: dict[str, float],
+    table: Any,
+    energy: Energy,
+    solver: str,
+) -> Trajectory:
+    none = numpy.zeros((len(solution.t), 0), dtype=numpy.int8)
+    return Trajectory(
+        t=solution.t,
+        x=solution.x.T,
+        codes=none,
+        events=(),
+        outcome=solution.outcome,
+        t_end=solution.t_end,
+        energy=energy,
+        parameters=values,
+        backend="vm",
+        steps=solution.steps,
+        model=model,
+        inputs=table,
+        x_end=solution.x_end,
+        codes_end=none[:0].reshape(0),
+        solver=solver,
+        z=solution.z.T,
+        z_end=solution.z_end,
     )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import csv
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -90,6 +90,10 @@ class Trajectory:
         SI values of the run.
     backend : str
         ``"native"`` or ``"vm"``.
+    solver : str
+        ``"dopri5"``, ``"cvodes"``, ``"idas"`` or ``"rosenbrock"``.
+    z : (nz, nt) array
+        Algebraic variables, ordered as ``model.equations.algebraic``.
     """
 
     t: Array
@@ -106,10 +110,13 @@ class Trajectory:
     inputs: Any
     x_end: Array
     codes_end: Array
+    solver: str = "dopri5"
+    z: Array = field(default_factory=lambda: numpy.zeros((0, 1)))
+    z_end: Array = field(default_factory=lambda: numpy.zeros(0))
 
     def __getitem__(self, name: str) -> Array:
         """Return a signal at all times, of shape (nt,)."""
-        return self._evaluate((str(getattr(name, "name", name)),), self.t, self.x, self.codes)[0]
+        return self._along((str(getattr(name, "name", name)),))[0]
 
     def __len__(self) -> int:
         return len(self.t)
@@ -137,7 +144,7 @@ class Trajectory:
         values = self._evaluate(
             names,
             numpy.array([self.t_end]),
-            self.x_end.reshape(-1, 1),
+            numpy.append(self.x_end, self.z_end).reshape(-1, 1),
             self.codes_end.reshape(1, -1),
         )
         return {name: float(value[0]) for name, value in zip(names, values, strict=True)}
@@ -199,7 +206,7 @@ class Trajectory:
         if names is None:
             inputs = tuple(symbol.name for symbol in equations.graph.inputs)
             names = tuple(dict.fromkeys((*equations.outputs, *self.states, *inputs)))
-        return dict(zip(names, self._evaluate(names, self.t, self.x, self.codes), strict=True))
+        return dict(zip(names, self._along(names), strict=True))
 
     def to_xarray(self, names: tuple[str, ...] | None = None) -> xarray.Dataset:
         """Return an xarray Dataset over time, with units, modes and outcome.
@@ -225,6 +232,7 @@ class Trajectory:
         attributes = {
             "model": self.model.equations.name,
             "outcome": self.outcome.value,
+            "solver": self.solver,
             "t_end": self.t_end,
             **{f"parameter {name}": value for name, value in self.parameters.items()},
         }
@@ -289,8 +297,16 @@ class Trajectory:
                 [repr(float(v)) for v in row] for row in zip(self.t, *columns.values(), strict=True)
             )
 
+    def _along(self, names: tuple[str, ...]) -> Array:
+        """Evaluate signals at all times."""
+        solved = numpy.concatenate([self.x, self.z]) if len(self.z) else self.x
+        return self._evaluate(names, self.t, solved, self.codes)
+
     def _evaluate(self, names: tuple[str, ...], t: Array, x: Array, codes: Array) -> Array:
-        """Evaluate signals sample by sample in the equations of the sample's own mode."""
+        """Evaluate signals sample by sample in the equations of the sample's own mode.
+
+        Algebraic variables follow the states in x.
+        """
         for name in names:
             try:
                 self.model.expression(self.model.equations, name)

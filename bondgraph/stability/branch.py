@@ -66,8 +66,8 @@ class Branch:
 
     @property
     def start(self) -> numpy.ndarray:
-        """The states at the start."""
-        return numpy.array(list(self.point.states.values()))
+        """The states at the start, and algebraic variables behind them."""
+        return numpy.array(self.point.vector)
 
     def arguments(self, value: float) -> tuple[numpy.ndarray, numpy.ndarray]:
         """Return inputs and parameter vector with the changed value in place."""
@@ -92,6 +92,8 @@ class Branch:
                     f"{name!r} leaves mode {self.point.modes[name]!r} for {better!r}",
                     elements=[name],
                 )
+        if self.point.algebraic:
+            self.smooth.state_matrix(x, u, p)  # to say where they are not determined
         return x
 
     def eigenvalues(self, value: float, x: numpy.ndarray) -> numpy.ndarray:
@@ -102,11 +104,12 @@ class Branch:
     def point_at(self, value: float, x: numpy.ndarray) -> SteadyState:
         """Return the full operating point at a steady state of the branch."""
         u, p = self.arguments(value)
-        equations = self.point.equations
+        equations, order = self.point.equations, self.smooth.order
         changed = {**self.overrides} if self.is_input else {**self.overrides, self.name: value}
         return replace(
             self.point,
-            states=dict(zip(self.point.states, map(float, x), strict=True)),
+            states=dict(zip(self.point.states, map(float, x[:order]), strict=True)),
+            algebraic=dict(zip(self.point.algebraic, map(float, x[order:]), strict=True)),
             outputs=self.smooth.outputs(x, u, p),
             inputs=dict(zip(self.point.inputs, map(float, u), strict=True)),
             parameters=parameter_values(equations, changed, self.resolver),
@@ -115,7 +118,10 @@ class Branch:
     def second_guess(self, value: float) -> numpy.ndarray:
         """Return the model's own initial states at a value, for a search that lost its way."""
         point = self.point_at(value, self.start)
-        return numpy.array(initial_values(point.equations, point.parameters))
+        states = initial_values(point.equations, point.parameters)
+        z = list(self.point.algebraic.values())
+        found = self.smooth.consistent(states, *self.arguments(value), z)
+        return numpy.array([*states, *z]) if found is None else found
 
 
 def _input_unit(graph: BondGraph, name: str) -> str:

@@ -77,7 +77,8 @@ def find_edges(
     ----------
     branch : Branch
     values : (m,) array
-    states : (m, n) array
+    states : (m, n + nz) array
+        Algebraic variables stand behind the states.
     eigenvalues : (m, n) complex array
         Each row by falling real part; nan at gaps.
     reasons : mapping of int to str
@@ -250,8 +251,8 @@ def _solve_fold(
 ) -> tuple[float, numpy.ndarray] | None:
     """Solve for a point where the Jacobian has a null vector, by Newton on all at once."""
     size = len(x)
-    _, _, rows = numpy.linalg.svd(_scaled(branch.smooth.state_matrix(x, *branch.arguments(value))))
-    scale = _column_scale(branch.smooth.state_matrix(x, *branch.arguments(value)))
+    _, _, rows = numpy.linalg.svd(_scaled(branch.smooth.jacobian(x, *branch.arguments(value))))
+    scale = _column_scale(branch.smooth.jacobian(x, *branch.arguments(value)))
     null = rows[-1] / scale
     system = _fold_system(branch, null)
     unknown = numpy.concatenate([x, null, [value]])

@@ -116,7 +116,8 @@ def trace(
     finer = math.ceil(MIN_STEPS / (vary.n - 1))
     values = numpy.linspace(vary.lo, vary.hi, (vary.n - 1) * finer + 1)
     states, reasons = _walk(branch, values)
-    eigenvalues = numpy.full(states.shape, numpy.nan, dtype=complex)
+    order = len(point.states)
+    eigenvalues = numpy.full((len(values), order), numpy.nan, dtype=complex)
     for index, x in enumerate(states):
         if index not in reasons:
             eigenvalues[index] = branch.eigenvalues(values[index], x)
@@ -126,7 +127,7 @@ def trace(
         branch.unit,
         values[::finer],
         track(eigenvalues)[::finer],
-        states[::finer],
+        states[::finer, :order],
         branch.at,
         crossings,
         tuple(Gap(float(values[i]), reasons[i]) for i in sorted(reasons) if i % finer == 0),
@@ -166,7 +167,7 @@ def track(eigenvalues: numpy.ndarray) -> numpy.ndarray:
 
 
 def _walk(branch: Branch, values: numpy.ndarray) -> tuple[numpy.ndarray, dict[int, str]]:
-    """Solve from the operating point outwards; return the states and the reasons of gaps."""
+    """Solve from the operating point outwards; return the points and the reasons of gaps."""
     states = numpy.full((len(values), len(branch.start)), numpy.nan)
     reasons: dict[int, str] = {}
     first = int(numpy.argmin(numpy.abs(values - branch.at)))

@@ -239,22 +239,29 @@ def _port(equations: Equations, name: str, symbol: sympy.Symbol, element: Storag
 
 
 def _jacobian(point: SteadyState, rows: list[sympy.Expr]) -> numpy.ndarray:
-    """Differentiate expressions in the equations' variables by the states, at a point."""
+    """Differentiate expressions in the equations' variables by the states, at a point.
+
+    Algebraic variables follow the states.
+    """
     equations = point.equations
     program = Program.pruned(
         "ports",
         [
             ("t", [equations.time]),
-            ("x", equations.states),
+            ("x", (*equations.states, *equations.algebraic)),
             ("u", equations.inputs),
             ("p", equations.parameters),
         ],
         equations.assignments,
-        {"rows": rows},
+        {"rows": rows, "residuals": equations.residuals},
     )
-    x = casadi.SX.sym("x", len(equations.states))
+    order = len(equations.states)
+    x = casadi.SX.sym("x", order + len(equations.algebraic))
     u = [point.inputs[symbol.name] for symbol in equations.inputs]
     p = [point.parameters[symbol.name] for symbol in equations.parameters]
-    found = to_casadi(program)(0, x, u, p)
-    matrix = casadi.Function("slopes", [x], [casadi.densify(casadi.jacobian(found, x))])
-    return matrix(list(point.states.values())).full()
+    found = [casadi.densify(casadi.jacobian(of, x)) for of in to_casadi(program)(0, x, u, p)]
+    ports, residuals = (part.full() for part in casadi.Function("slopes", [x], found)(point.vector))
+    if not equations.algebraic:
+        return ports
+    follow = numpy.linalg.solve(residuals[:, order:], -residuals[:, :order])
+    return ports[:, :order] + ports[:, order:] @ follow

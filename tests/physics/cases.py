@@ -11,7 +11,7 @@ import numpy
 from bondgraph import derive, in_mode, models, steady_state
 from bondgraph.codegen import Program
 from bondgraph.equations import Equations
-from bondgraph.modes import contacts
+from bondgraph.modes import contacts, mode_equations
 from bondgraph.values import parameter_values
 
 
@@ -61,6 +61,12 @@ def graph(name):
     return getattr(models, name).graph()
 
 
+def held(name, stuck):
+    """Equations with contacts held at a slip that is imposed on them."""
+    base = derive(graph(name))
+    return mode_equations(base, stuck).equations if stuck else base
+
+
 def _combinations(name, labels):
     names = contacts(graph(name))
     for chosen in itertools.product(labels, repeat=len(names)):
@@ -79,9 +85,7 @@ def cases() -> tuple[Case, ...]:
     for name in models.LIBRARY:
         for chosen in _combinations(name, ("open", "held")):
             stuck = [contact for contact, what in chosen.items() if what == "held"]
-            found.append(
-                Case(f"{name}[{','.join(chosen.values())}]", derive(graph(name), stuck), None)
-            )
+            found.append(Case(f"{name}[{','.join(chosen.values())}]", held(name, stuck), None))
         for chosen in modes(name) if contacts(graph(name)) else ():
             equations = derive(in_mode(graph(name), chosen))
             found.append(Case(f"{name}[{','.join(chosen.values())}]", equations, chosen))

@@ -1,11 +1,9 @@
 """Simulation of graphs with diodes, switches, end stops: modes that hold and bind states.
 
-`functions` makes the numeric functions of a mode, `jump` takes a state into a mode
-with impulses, `search` finds the mode that holds, `stepper` integrates from event to
+`jump` takes a state into a mode with impulses, `search` finds the mode that holds, `stepper` integrates from event to
 event on the method of `bondgraph.simulation.stepper`, `run` puts them together.
 """
 
-from .functions import SwitchedModel
 from .run import integrate_switched
 
-__all__ = ["SwitchedModel", "integrate_switched"]
+__all__ = ["integrate_switched"]

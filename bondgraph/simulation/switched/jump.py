@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy
 
-from .functions import ModeNumbers
+from ..mode_set import ModeNumbers
 
 Array = numpy.ndarray
 

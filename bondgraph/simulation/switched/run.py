@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from ..hybrid import evaluator, solution_of
+from ..hybrid import solution_of
+from ..mode_set import ModeSet
 from ..problem import Options, Problem, Solution
-from .functions import SwitchedModel
 from .stepper import SwitchedStepper
 
 if TYPE_CHECKING:
     from ..stepper import Model
 
 
-def integrate_switched(problem: Problem, options: Options, model: SwitchedModel) -> Solution:
+def integrate_switched(problem: Problem, options: Options, model: ModeSet) -> Solution:
     """Integrate a switched model from event to event.
 
     Parameters
@@ -21,19 +21,16 @@ def integrate_switched(problem: Problem, options: Options, model: SwitchedModel)
     problem : Problem
     options : Options
         The backend is the virtual machine.
-    model : SwitchedModel
+    model : ModeSet
 
     Returns
     -------
     Solution
     """
-    made: dict[int, tuple[Model, Model]] = {}
 
     def functions(mask: int) -> tuple[Model, Model]:
-        if mask not in made:
-            numbers = model.numbers(mask)
-            made[mask] = evaluator(numbers.rhs), evaluator(numbers.guard)
-        return made[mask]
+        numbers = model.numbers(mask)
+        return numbers.rhs, numbers.guard
 
     stepper = SwitchedStepper(problem, options, functions, model)
     outcome = stepper.run()

@@ -11,13 +11,14 @@ import numpy
 
 from ...elements import DryFriction, EndStop, Switched
 from ...errors import BondGraphError
-from .functions import ModeNumbers, SwitchedModel
+from ..mode_set import ModeNumbers, ModeSet
 from .jump import Jump, imposed_before, jump
 
 Array = numpy.ndarray
 
 EPSILON = float(numpy.finfo(float).eps)
 WOBBLE = 1.0 / 1048576.0
+PROBES = 4
 MAX_TRIES = 256  # of modes, before those farther away are tried in turn
 MAX_ALL = 12  # switches of which all combinations are tried
 
@@ -76,7 +77,7 @@ class ModeSearch:
 
     Parameters
     ----------
-    model : SwitchedModel
+    model : ModeSet
 
     Attributes
     ----------
@@ -84,7 +85,7 @@ class ModeSearch:
         What spoke against the mode tried last.
     """
 
-    def __init__(self, model: SwitchedModel) -> None:
+    def __init__(self, model: ModeSet) -> None:
         self.model = model
         self.refusal = ""
 
@@ -110,7 +111,7 @@ class ModeSearch:
             if isinstance(found, Found):
                 return found
             queue.extend(found)
-        for codes in self._others(natural) if len(natural) <= MAX_ALL else ():
+        for codes in self.nearby(natural) if len(natural) <= MAX_ALL else ():
             if codes not in seen:
                 found = self._attempt(numpy.array(codes, dtype=int), point, now)
                 if isinstance(found, Found):
@@ -124,14 +125,15 @@ class ModeSearch:
         k = len(codes)
 
         def guard(t: float, x: Array) -> Array:
-            return mode.guard(t, x, u, p, s).full().ravel()
+            return mode.guard(t, x, u, p, s)
 
         found = guard(t, x)
         scatter = numpy.where(numpy.arange(len(x)) % 2, -1.0, 1.0) * WOBBLE
         moved = numpy.abs(guard(t, x + scatter * numpy.maximum(numpy.abs(x), point.scale)) - found)
         noise = 64 * EPSILON * (moved / WOBBLE + numpy.abs(found))
-        noise += numpy.abs(guard(t + point.tick, x) - found)
-        noise += numpy.abs(guard(t - point.tick, x) - found)
+        drift = mode.rhs(t, x, u, p, s)[: len(x)]
+        for tick in (point.tick, -point.tick):
+            noise += numpy.abs(guard(t + tick, x + tick * drift) - found)
         return found[:k], found[k:], noise[:k]
 
     def _attempt(
@@ -210,19 +212,23 @@ class ModeSearch:
         return {j: code for j, (_, code) in sorted(wrong.items(), key=lambda item: item[1][0])}
 
     def _ahead(self, codes: Array, point: Point, x: Array) -> Array:
-        """Return the margins a moment later, to second order in time."""
+        """Return the margins a moment later.
+
+        Several small steps, since a gap that is zero now may open with the third order of time
+        only, where the force that held it turns.
+        """
         mode = self.model.numbers(mask_of(codes))
         t, u, p, s = point.place(codes)
         n, h = len(x), point.probe
-        for part in (0.0, 1.0):
-            x = x + h * mode.rhs(t + part * h, x, u, p, s).full().ravel()[:n]
-        return mode.guard(t + 2 * h, x, u, p, s).full().ravel()[: len(codes)]
+        for part in range(PROBES):
+            x = x + h * mode.rhs(t + part * h, x, u, p, s)[:n]
+        return mode.guard(t + PROBES * h, x, u, p, s)[: len(codes)]
 
     def _turned(self, j: int, code: int, value: float, impulse: float, noise: float) -> int:
         """Return the code that a switch changes to."""
         element = self.model.elements[j]
         if not isinstance(element, DryFriction):
-            return 1 - code
+            return element.next_code(code, value, value)
         if impulse:
             return 1 if impulse > 0 else -1
         if code == 0 or abs(value) > noise:
@@ -240,10 +246,15 @@ class ModeSearch:
     def _flipped(self, codes: Array, changes: dict[int, int]) -> tuple[int, ...]:
         return tuple(changes.get(j, int(code)) for j, code in enumerate(codes))
 
-    def _others(self, natural: Array) -> Iterator[tuple[int, ...]]:
-        """All other combinations of modes, those with few changes first."""
+    def nearby(self, natural: Array, commands: bool = False) -> Iterator[tuple[int, ...]]:
+        """All combinations of modes, those with few changes first.
+
+        With ``commands``, those that commanded switches are not in by their signals as well.
+        """
         choices: Sequence[Sequence[int]] = [
-            [int(code)] if element.commanded else [int(code), *other_codes(element, int(code))]
+            [int(code)]
+            if element.commanded and not commands
+            else [int(code), *other_codes(element, int(code))]
             for element, code in zip(self.model.elements, natural, strict=True)
         ]
         combinations = itertools.product(*choices)

@@ -7,11 +7,12 @@ from collections.abc import Callable
 
 import numpy
 
+from ...elements import EndStop
 from ...errors import BondGraphError, SimulationError
+from ..mode_set import ModeSet
 from ..outcome import Outcome
 from ..problem import Options, Problem
-from ..stepper import EPSILON, TINY, Model, Stepper, _End
-from .functions import SwitchedModel
+from ..stepper import EPSILON, TINY, E, Model, Stepper, _End, _weighted
 from .search import Found, ModeSearch, Point, mask_of, other_codes
 
 log = logging.getLogger(__name__)
@@ -33,7 +34,7 @@ class SwitchedStepper(Stepper):
     ----------
     problem, options, model
         As for `Stepper`.
-    switched : SwitchedModel
+    switched : ModeSet
     """
 
     def __init__(
@@ -41,7 +42,7 @@ class SwitchedStepper(Stepper):
         problem: Problem,
         options: Options,
         model: Callable[[int], tuple[Model, Model]],
-        switched: SwitchedModel,
+        switched: ModeSet,
     ) -> None:
         super().__init__(problem, options, model)
         self.switched = switched
@@ -82,6 +83,16 @@ class SwitchedStepper(Stepper):
             if len(element.modes) == 3:
                 slips = found[j] != 0 and abs(values[j]) > noise[j]
                 found[j] = (1 if values[j] > 0 else -1) if slips else 0
+            elif (
+                isinstance(element, EndStop)
+                and margins[j] < -noise[j] - 1e-9 * abs(margins[j])
+                and found[j]
+            ):
+                raise SimulationError(
+                    f"EndStop {self.switched.names[j]!r} starts beyond its stop, with a gap of {margins[j]:g}; "
+                    f"give initial states with a gap of zero or more",
+                    elements=[self.switched.names[j]],
+                )
             elif not element.commanded:
                 found[j] = found[j] if margins[j] > noise[j] else 1 - found[j]
         return found
@@ -89,7 +100,7 @@ class SwitchedStepper(Stepper):
     def _possible(self, start: Array) -> Array | None:
         """A set of modes whose equations exist, near a first one."""
         search = self.search_modes
-        for codes in search._others(start):
+        for codes in search.nearby(start, commands=True):
             try:
                 self.switched.numbers(mask_of(numpy.array(codes)))
             except BondGraphError as error:
@@ -164,3 +175,21 @@ class SwitchedStepper(Stepper):
         if crowded:
             raise _End(Outcome.CHATTERING)
         self.instants.append(self.t)
+
+    def error_norm(self, h: float) -> float:
+        """Largest component of the error estimate, beside what the rounding of time itself makes.
+
+        After an event a state may start from zero under a force that starts from zero, and then
+        no part of its own size can be met.
+        """
+        if self.n == 0:
+            return 0.0
+        error = numpy.abs(h * _weighted(E, self.K)[: self.n])
+        turn = numpy.abs(self.K[6] - self.K[0])[: self.n]
+        allowed = self.allowed(self.x_new[: self.n]) + 64 * EPSILON * abs(self.t + h) * turn
+        return float(numpy.max(error / numpy.maximum(allowed, TINY)))
+
+    def first_step(self) -> None:
+        """Step length after a start or an event; one too long is only tried in vain."""
+        super().first_step()
+        self.h = max(self.h, min(1e-10 * (self.t_end - self.t_begin), self.t_end - self.t))

@@ -1,36 +1,41 @@
-"""Numeric functions of the modes of a switched model, made when a mode is first met."""
+"""The modes of a model: their equations and numeric functions, made when a mode is first met."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy
 import sympy
 
-from ...codegen.program import Program
-from ...codegen.to_casadi import to_casadi
-from ...elements import EndStop, Switched
-from ...equations import Equations
-from ...errors import BondGraphError, SimulationError
-from ...graph import TIME
-from ...modes import ModeEquations, mode_equations
+from ..codegen.program import Program
+from ..codegen.to_casadi import to_casadi
+from ..codegen.to_numpy import to_numpy
+from ..elements import EndStop, Switched
+from ..equations import Equations
+from ..errors import BondGraphError, SimulationError
+from ..graph import TIME
+from ..modes import ModeEquations, mode_equations
+from .implicit import Implicit
+
+if TYPE_CHECKING:
+    import casadi
 
 Array = numpy.ndarray
 
 
 @dataclass(frozen=True, eq=False)
 class ModeNumbers:
-    """Numeric functions of one mode; all take ``(t, x, u, p, s)``, most also ``w``.
+    """Numeric functions of one mode, of ``(t, x, u, p, s)`` and most also of w.
 
     Attributes
     ----------
     equations : ModeEquations
-    rhs : casadi.Function
-        Rates of all states, supplied and dissipated power, shape (n + 2,).
-    guard : casadi.Function
-        Margins, then values, shape (2k,).
+    rhs : callable
+        To the rates of all states, supplied and dissipated power, shape (n + 2,).
+    guard : callable
+        To margins, then values, shape (2k,).
     relation : callable
         ``(t, x, u, p, s, w)`` to what bound states are off their relation, shape
         (b,), and its Jacobian by w, shape (b, h): w is imposed on what is held.
@@ -44,16 +49,16 @@ class ModeNumbers:
     """
 
     equations: ModeEquations
-    rhs: Any
-    guard: Any
+    rhs: Callable[..., Array]
+    guard: Callable[..., Array]
     relation: Callable[..., tuple[Array, Array]]
     push: Callable[..., tuple[Array, Array]]
     held: tuple[int, ...]
     bound: Array
 
 
-class SwitchedModel:
-    """The switches of a model and the numeric functions of its modes.
+class ModeSet:
+    """The switching elements of a model, and the equations and functions of its modes.
 
     Parameters
     ----------
@@ -101,26 +106,23 @@ class SwitchedModel:
         return found
 
     def _checked(self, mode: ModeEquations) -> ModeEquations:
-        algebraic = [symbol.name for symbol in mode.equations.algebraic]
-        if algebraic:
-            raise SimulationError(
-                f"model {self.base.name!r} keeps algebraic variables ({', '.join(algebraic)}) beside switching "
-                f"elements; add a compliance or inertia where they arise",
-                elements=algebraic,
-            )
         known = {*self._inputs, *mode.imposed.values(), *mode.imposed_rates.values()}
         foreign = [symbol.name for symbol in mode.equations.inputs if symbol not in known]
         if foreign:
             raise SimulationError(
-                f"model {self.base.name!r}: a mode needs {', '.join(foreign)}, a second rate, which samples cannot "
+                f"model {self.base.name!r}: a mode needs {', '.join(foreign)}, a rate that samples cannot "
                 f"give; add a compliance or inertia behind the source or switch"
             )
         return mode
 
     def program(self, mask: int, name: str, results: Mapping[str, Sequence[sympy.Expr]]) -> Program:
-        """Build a program in ``(t, x, u, p, s, w, v)`` on a mode's equations."""
+        """Build a program in ``(t, x, u, p, s, z, w, v)`` on a mode's equations.
+
+        A result named ``relation`` is filled in.
+        """
         mode = self.equations(mask)
         stand_ins = {state: sympy.Dummy(state.name, real=True) for state in mode.bound}
+        relation = [stand_ins[state] - state for state in mode.bound]
         return Program.pruned(
             name,
             [
@@ -129,21 +131,16 @@ class SwitchedModel:
                 ("u", self._inputs),
                 ("p", self._parameters),
                 ("s", self._directions(mode)),
+                ("z", mode.equations.algebraic),
                 ("w", mode.imposed.values()),
                 ("v", mode.imposed_rates.values()),
             ],
             mode.equations.assignments,
-            {
-                key: [stand_ins[state] - state for state in mode.bound]
-                if key == "relation"
-                else rows
-                for key, rows in results.items()
-            },
+            {key: relation if key == "relation" else rows for key, rows in results.items()},
         )
 
     def _directions(self, mode: ModeEquations) -> list[sympy.Symbol]:
-        known = {contact.name: contact.direction for contact in mode.equations.contacts}
-        return [known.get(name, sympy.Dummy(f"{name}.direction")) for name in self.names]
+        return [mode.directions.get(name, sympy.Dummy(f"{name}.direction")) for name in self.names]
 
     def impact(self, switch: int, p: Array) -> tuple[float, float]:
         """Return restitution and rest speed of an end stop, for a parameter vector."""
@@ -164,41 +161,76 @@ class SwitchedModel:
             self._numbers[mask] = self._made(mask)
         return self._numbers[mask]
 
-    def _made(self, mask: int) -> ModeNumbers:
+    def calm(self, mask: int) -> tuple[casadi.Function, casadi.Function]:
+        """Return rates with powers, and guards, as functions of ``(t, x, u, p, s)``.
+
+        For modes without algebraic variables.
+        """
+        import casadi
+
+        arguments, (rates, guards) = self._expressions(mask, ("rates", "guards"))
+        given, moved = arguments[:5], casadi.vertcat(*arguments[6:])
+        rates, guards = (casadi.densify(casadi.substitute(e, moved, 0)) for e in (rates, guards))
+        return casadi.Function("rhs", given, [rates]), casadi.Function("guard", given, [guards])
+
+    def _expressions(self, mask: int, wanted: Sequence[str]) -> tuple[list[Any], list[Any]]:
+        """Return CasADi symbols of a mode's arguments, and results in them."""
         import casadi
 
         mode = self.equations(mask)
-        program = self.program(
-            mask,
-            "mode",
-            {
-                "rates": [*mode.derivatives, *_powers(mode)],
-                "guards": [*mode.margins.values(), *mode.values.values()],
-                "answers": list(mode.answers.values()),
-                "relation": [],
-            },
-        )
+        results = {
+            "rates": [*mode.derivatives, *_powers(mode)],
+            "guards": [*mode.margins.values(), *mode.values.values()],
+            "answers": list(mode.answers.values()),
+            "relation": [],
+            "residual": list(mode.equations.residuals),
+        }
+        program = self.program(mask, "mode", {key: results[key] for key in wanted})
         arguments = [casadi.SX.sym(label, len(symbols)) for label, symbols in program.arguments]
-        *given, w, v = arguments
-        rates, guards, answers, relation = to_casadi(program)(*arguments)
-        rest = [casadi.substitute(item, casadi.vertcat(w, v), 0) for item in (rates, guards)]
-        calm = lambda item: casadi.densify(casadi.substitute(item, v, 0))  # noqa: E731
-        bound = [calm(relation), calm(casadi.jacobian(relation, w))]
-        push = [calm(casadi.jacobian(rates, v)), calm(casadi.jacobian(answers, v))]
+        found = to_casadi(program)(*arguments)
+        return arguments, list(found) if isinstance(found, tuple | list) else [found]
+
+    def _made(self, mask: int) -> ModeNumbers:
+        mode = self.equations(mask)
+        wanted = ("rates", "guards", "answers", "relation", "residual")
+        arguments, results = self._expressions(mask, wanted)
+        implicit = Implicit(arguments, results)
         order = list(mode.imposed)
         return ModeNumbers(
             equations=mode,
-            rhs=casadi.Function("rhs", given, [casadi.densify(rest[0])]),
-            guard=casadi.Function("guard", given, [casadi.densify(rest[1])]),
-            relation=_pair(casadi.Function("relation", [*given, w], bound)),
+            rhs=implicit.calm(0),
+            guard=implicit.calm(1),
+            relation=implicit.with_slope(3, by="w"),
             push=_widened(
-                _pair(casadi.Function("push", [*given, w], push)),
+                implicit.slopes((0, 2), by="v"),
                 [order.index(name) for name in mode.imposed_rates],
                 len(order),
             ),
             held=tuple(self.names.index(name) for name in order),
             bound=numpy.array([mode.states.index(state) for state in mode.bound], dtype=int),
         )
+
+    def signals(self, mask: int, results: Sequence[sympy.Expr]) -> Callable[..., Array]:
+        """Return a NumPy function of ``(t, x, u, p, s)``, each of shape (size, nt), to results."""
+        mode = self.equations(mask)
+        program = self.program(mask, "signals", {"out": results})
+        sizes = [len(symbols) for _, symbols in program.arguments]
+        function = to_numpy(program)
+        if not mode.equations.algebraic:
+            calm = [numpy.zeros((size, 1)) for size in sizes[5:]]
+            return lambda *given: function(*given, *calm)[0]
+        implicit = Implicit(*self._expressions(mask, ["residual"]))
+
+        def solved(*given: Array) -> Array:
+            columns = max(item.shape[1] for item in given)
+            wide = [numpy.broadcast_to(item, (item.shape[0], columns)) for item in given]
+            z = numpy.array(
+                [implicit.solve(*(item[:, i] for item in wide)) for i in range(columns)]
+            ).T
+            rest = [numpy.zeros((size, 1)) for size in sizes[6:]]
+            return function(*given, z, *rest)[0]
+
+        return solved
 
 
 def _powers(mode: ModeEquations) -> list[sympy.Expr]:
@@ -210,14 +242,6 @@ def _powers(mode: ModeEquations) -> list[sympy.Expr]:
         else:
             supplied.append(power)
     return [sympy.Add(*supplied), sympy.Add(*dissipated)]
-
-
-def _pair(function: Any) -> Callable[..., tuple[Array, Array]]:
-    def evaluate(*arguments: Any) -> tuple[Array, Array]:
-        first, second = function(*arguments)
-        return first.full(), second.full()
-
-    return evaluate
 
 
 def _widened(
