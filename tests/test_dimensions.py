@@ -9,13 +9,44 @@ import pytest
 import sympy
 from hypothesis import given, settings
 
-from bondgraph import GY, TF, C, Friction, I, One, R, Se, Sf, Zero, assemble, models
+from bondgraph import (
+    GY,
+    RS,
+    TF,
+    Block,
+    C,
+    CField,
+    CheckValve,
+    Clutch,
+    De,
+    Df,
+    Diode,
+    EndStop,
+    Friction,
+    Heat,
+    I,
+    ICField,
+    IField,
+    Integrator,
+    Lag,
+    One,
+    R,
+    RField,
+    Se,
+    Sf,
+    Switch,
+    Zero,
+    assemble,
+    models,
+)
 from bondgraph.dimensions import infer, si_unit
+from bondgraph.files import loads
 from bondgraph.graph import TIME
 from bondgraph.models import LIBRARY
 from bondgraph.units import check_compatible
 
 from .strategies import sketches
+from .test_files import SWITCHED_BY_HAND
 
 NAMES = "m k b w F r n mu V L J c x0 v0"
 s = SimpleNamespace(**{name: sympy.Symbol(name, positive=True) for name in NAMES.split()})
@@ -350,6 +381,276 @@ class TestProblems:
         found = infer(oscillator(UNITS | {s.b: (3, "Nn*s/m")}))
         assert found.problems[0].startswith("b: unit 'Nn*s/m' is not known")
         assert found.units["b.e"] == "N"
+
+
+class TestFields:
+    """Each port of a field has the units of its own bond; the joint law says them."""
+
+    def beam(self, **units):
+        v, w = One("v"), One("w")
+        field = CField(
+            "x", ("a", "b"), energy=lambda q, p: s.k * q**2 / 2 + s.b * q * p + s.c * p**2
+        )
+        parameters = {getattr(s, key): (1, unit) for key, unit in units.items()}
+        return assemble(
+            "g", v >> (I("m", 1), field["a"]), w >> (I("n", 1), field["b"]), parameters=parameters
+        )
+
+    def test_ports_in_two_domains(self):
+        found = infer(self.beam(k="N/m", b="N/rad", c="N*m/rad"))
+        assert found.problems == ()
+        assert found.domains["x.a"] == "translation" and found.domains["x.b"] == "rotation"
+        assert [found.units[key] for key in ("x.a.q", "x.a.e", "m.p")] == ["m", "N", "N*s"]
+        assert [found.units[key] for key in ("x.b.q", "x.b.e", "n.p")] == ["rad", "N*m", "N*m*s"]
+
+    def test_coupling_carries_the_domain_over(self):
+        found = infer(self.beam(k="N/m", b="N/rad"))
+        assert found.problems == () and found.units["x.b.e"] == "N*m"
+
+    def test_a_coupling_that_makes_no_energy_is_named(self):
+        said = infer(self.beam(k="N/m", b="N/m", c="N*m/rad")).problems
+        assert "C 'x.a' (b in N/m, k in N/m) has effort in N, but its law is in kg/s^2" in said[0]
+
+    def test_a_solenoid(self):
+        i, v = One("i"), One("v")
+        field = ICField(
+            "s", {"coil": "I", "gap": "C"}, energy=lambda p, q: p**2 * (1 + q / s.x0) / (2 * s.L)
+        )
+        parameters = {s.L: (1, "mH"), s.x0: (1, "mm")}
+        graph = assemble(
+            "g",
+            i >> GY("g", 1) >> field["coil"],
+            v >> (I("m", 1), field["gap"]),
+            i >> R("r", 1),
+            parameters=parameters,
+        )
+        found = infer(graph)
+        assert found.problems == ()
+        assert (found.units["s.coil.p"], found.units["s.gap.q"], found.units["v.f"]) == (
+            "Wb",
+            "m",
+            "m/s",
+        )
+
+    def test_conduction_between_two_temperatures(self):
+        one, two = Zero("one"), Zero("two")
+        wall = RField(
+            "wall", ("hot", "cold"), flow=lambda t, u: (s.c * (t - u) / t, s.c * (u - t) / u)
+        )
+        graph = assemble(
+            "g",
+            Se("T", s.V) >> one >> wall["hot"],
+            two >> (C("c", effort=sympy.exp), wall["cold"]),
+            parameters={s.V: (300, "K"), s.c: (2, "W/K")},
+        )
+        found = infer(graph)
+        assert found.problems == ()
+        assert (found.units["wall.cold.e"], found.units["wall.cold.f"], found.units["c.q"]) == (
+            "K",
+            "W/K",
+            "J/K",
+        )
+
+    def test_mutual_inductance_and_matrices_of_resistance(self):
+        i, j = Zero("i"), Zero("j")
+        coils = IField("coils", ("one", "two"), inertance=[[s.L, s.m], [s.m, s.L]])
+        mesh = RField("mesh", ("one", "two"), resistance=[[s.r, s.b], [s.b, s.r]])
+        units = {s.L: (1, "H"), s.m: (0.2, "H"), s.r: (1, "ohm"), s.b: (1, "ohm")}
+        graph = assemble(
+            "g",
+            i >> (coils["one"], mesh["one"]),
+            j >> (coils["two"], mesh["two"]),
+            parameters=units,
+        )
+        found = infer(graph)
+        assert found.problems == () and found.units["coils.two.p"] == "Wb"
+        bonds = (i >> (mesh["one"], coils["one"]), j >> (mesh["two"], coils["two"]))
+        wrong = assemble("g", *bonds, parameters=units | {s.b: (1, "F")})
+        assert any(
+            said.startswith("R 'mesh.one' (b in F, r in ohm)") for said in infer(wrong).problems
+        )
+
+
+class TestHeat:
+    def warm(self, pseudo, heat, **units):
+        v, room = One("v"), Zero("room", pseudo=pseudo)
+        parameters = {getattr(s, key): (1, unit) for key, unit in units.items()}
+        pad = v >> RS("pad", s.b, pseudo=pseudo) >> room >> heat
+        return assemble("g", v >> I("m", s.m), pad, parameters=parameters)
+
+    def test_entropy_flows_at_a_temperature(self):
+        found = infer(self.warm(False, C("c", effort=sympy.exp), m="kg", b="N*s/m"))
+        assert found.problems == ()
+        assert (found.units["room.e"], found.units["pad_heat.f"], found.units["c.q"]) == (
+            "K",
+            "W/K",
+            "J/K",
+        )
+        assert found.units["pad.f"] == "m/s" and found.domains["room"] == "thermal"
+
+    def test_heat_flows_on_a_pseudo_bond(self):
+        wall = R("wall", s.r)
+        found = infer(self.warm(True, (C("c", s.c), wall), m="kg", b="N*s/m", c="J/K", r="K/W"))
+        assert found.problems == ()
+        units = [found.units[key] for key in ("room.e", "pad_heat.f", "c.q", "wall.f")]
+        assert units == ["K", "W", "J", "W"]
+        assert found.domains["wall"] == found.domains["room>c"] == "thermal"
+
+    def test_units_of_heat_are_checked(self):
+        (said,) = infer(self.warm(True, C("c", s.c), c="J/K/kg")).problems
+        assert said.startswith("C 'c' (c in J/K/kg) has effort in K, but its law is in ")
+
+    def test_entropy_into_another_domain_is_named(self):
+        v, w = One("v"), Zero("w")
+        wrong = v >> RS("pad", 3) >> w >> (C("c", s.c), R("r", s.r))
+        units = {s.c: (1, "m^3/Pa"), s.r: (1, "Pa*s/m^3")}
+        said = infer(assemble("g", v >> I("m", 1), wrong, parameters=units)).problems
+        assert said[0].startswith("Heat 'pad_heat' takes effort in K and flow in W/K, but C 'c'")
+
+    def test_a_power_of_its_own_is_checked(self):
+        room = Zero("room", pseudo=True)
+        lamp = Heat("lamp", s.F, pseudo=True)
+        for unit, count in (("kW", 0), ("J", 1)):
+            graph = assemble("g", lamp >> room >> C("c", 500), parameters={s.F: (1, unit)})
+            said = infer(graph).problems
+            assert len(said) == count
+        assert said[0].startswith("Heat 'lamp' (F in J) has its power in W, but its law is in N*m")
+
+    def test_a_transformer_on_a_pseudo_bond_does_not_crash(self):
+        room, w = Zero("room", pseudo=True), One("w")
+        bonds = (room >> C("c", 5), room >> TF("n", s.n) >> w >> I("i", 1))
+        graph = assemble("g", *bonds, parameters={s.n: (1, "m")})
+        assert infer(graph).problems == ()
+
+
+class TestSwitching:
+    @pytest.mark.parametrize(
+        "make, good, wrong, words",
+        [
+            (lambda: Diode("x", drop=s.c), "N", "V", "takes effort in V"),
+            (lambda: CheckValve("x", resistance=s.c), "N*s/m", "N/m", "its resistance in kg/s"),
+            (lambda: Clutch("x", s.c), "kN", "m/s", "effort in N"),
+            (lambda: Clutch("x", 3, static=s.c), "N", "N*m", "its static capacity in N"),
+            (lambda: EndStop("x", gap=s.c, restitution=0), "mm", "N", "its gap in m"),
+            (lambda: EndStop("x", gap=1, restitution=s.c), "%", "m/s", "its restitution in 1"),
+            (
+                lambda: EndStop("x", gap=1, restitution=0, rest=s.c),
+                "mm/s",
+                "m",
+                "its speed of rest in m/s",
+            ),
+            (lambda: Switch("x", closed=s.x0 - s.c), "mm", "N", "joins "),
+        ],
+    )
+    def test_laws(self, make, good, wrong, words):
+        units = UNITS | {s.x0: (1, "m")}
+        for unit, problems in ((good, 0), (wrong, 1)):
+            found = infer(oscillator(units | {s.c: (1, unit)}, x=make()))
+            assert len(found.problems) == problems, found.problems
+            assert found.units["x.e"] == "N" and found.units["x.f"] == "m/s"
+        assert "'x' (" in found.problems[0] and words in found.problems[0]
+
+    def test_a_gap_and_a_capacity_tell_the_domain(self):
+        v = One("v")
+        for element, unit in ((Clutch("x", s.c), "N*m"), (Diode("x", drop=s.c), "N*m")):
+            v = One("v")
+            graph = assemble("g", v >> (I("J", 1), element), parameters={s.c: (1, unit)})
+            assert infer(graph).units["J.p"] == "N*m*s"
+        stop = EndStop("x", gap=s.x0, restitution=0)
+        graph = assemble("g", One("v") >> (I("m", 1), stop), parameters={s.x0: (1, "mm")})
+        assert infer(graph).units["m.p"] == "N*s"
+
+
+def test_every_kind_of_element_goes_through():
+    found = infer(loads(SWITCHED_BY_HAND))
+    assert found.problems == ()
+    heat = [found.units[key] for key in ("thermometer", "pad_heat.f", "mass.q", "rub_heat.e")]
+    assert heat == ["K", "W", "J", "K"]
+    assert {key for key, unit in found.units.items() if unit} == {
+        key for key in found.units if found.domains.get(key.rpartition(".")[0]) == "thermal"
+    } | {"thermometer"}
+
+
+class TestSignals:
+    def test_sensors(self):
+        v, z = One("v"), Zero("z")
+        graph = assemble(
+            "g",
+            v >> (I("m", s.m), Df("speed")),
+            v >> z >> (C("k", 3), De("force")),
+            parameters={s.m: (1, "kg")},
+        )
+        found = infer(graph)
+        assert (found.units["speed"], found.units["force"]) == ("m/s", "N")
+        assert found.problems == ()
+
+    def turning(self, *blocks, **units):
+        parameters = {s.J: (1, "kg*m^2")} | {
+            getattr(s, key): (1, unit) for key, unit in units.items()
+        }
+        return infer(
+            assemble("g", self.v >> (I("J", s.J), C("k", 2)), blocks, parameters=parameters)
+        )
+
+    @property
+    def v(self):
+        return self.__dict__.setdefault("junction", One("v"))
+
+    def test_an_integral_has_the_unit_of_its_signal_times_s(self):
+        found = self.turning(Integrator("angle", self.v.f), Integrator("x", s.r * self.v.f), r="m")
+        assert (found.units["angle.y"], found.units["x.y"]) == ("rad", "m")
+        assert found.problems == ()
+
+    def test_a_lag_has_the_unit_of_its_signal(self):
+        found = self.turning(Lag("slow", self.v.f, s.b), Lag("x", s.r * self.v.f, 2), r="m", b="ms")
+        assert (found.units["slow.y"], found.units["x.y"]) == ("rad/s", "m/s")
+        assert found.problems == ()
+
+    def test_a_block_has_the_unit_of_its_rate_times_s(self):
+        found = self.turning(Block("b", lambda y: s.F - y / s.x0), F="K/s", x0="s")
+        assert (found.units["b.y"], found.problems) == ("K", ())
+        assert self.turning(Block("free", lambda y: 3 - y)).units["free.y"] is None
+
+    def test_what_is_heard_of_a_block_carries_on(self):
+        w, block = One("w"), Block("b", lambda y: s.V / s.x0 - y / s.x0)
+        graph = assemble(
+            "g",
+            Se("F", s.k * block.y) >> w >> I("m", 1),
+            block,
+            parameters={s.V: (1, "m"), s.x0: (1, "s"), s.k: (1, "N/m")},
+        )
+        found = infer(graph)
+        assert (found.units["b.y"], found.units["m.p"], found.problems) == ("m", "N*s", ())
+
+    @pytest.mark.parametrize(
+        "block, unit, words",
+        [
+            (
+                lambda v: Lag("x", v.f, s.r),
+                "m",
+                "Lag 'x' (r in m) has its time constant in s, but its law is in m",
+            ),
+            (
+                lambda v: Integrator("x", v.f, initial=s.r),
+                "N",
+                "Integrator 'x' (r in N) has its rate in kg*m/s^3, but its law is in 1/s",
+            ),
+            (
+                lambda v: Block("x", lambda y: s.r - y / s.J),
+                "m/s",
+                "Block 'x' (J in kg*m^2, r in m/s) has its rate in ",
+            ),
+        ],
+    )
+    def test_wrong_units_are_named(self, block, unit, words):
+        (said,) = self.turning(block(self.v), r=unit).problems[:1]
+        assert words in said
+
+    def test_two_claims_on_one_signal_are_told_apart_from_efforts(self):
+        found = self.turning(Block("x", lambda y: s.F, initial=s.r), F="m/s", r="N")
+        (said,) = found.problems
+        assert said.startswith("Block 'x' (F in m/s, r in N) has its ")
+        assert "; the signal is in " in said and "effort" not in said
 
 
 def ladder(cells):

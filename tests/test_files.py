@@ -15,14 +15,30 @@ from hypothesis import HealthCheck, given, settings
 
 from bondgraph import (
     GY,
+    RS,
     TF,
+    Block,
     C,
+    CField,
+    CheckValve,
+    Clutch,
+    De,
+    Df,
+    Diode,
+    EndStop,
     Friction,
+    Heat,
     I,
+    ICField,
+    IField,
+    Integrator,
+    Lag,
     One,
     R,
+    RField,
     Se,
     Sf,
+    Switch,
     Zero,
     assemble,
     derive,
@@ -38,7 +54,7 @@ from bondgraph.errors import (
     ModelError,
     ParameterError,
 )
-from bondgraph.files import KINDS, MAX_BYTES, dumps, load, loads, save
+from bondgraph.files import FIELDS, KINDS, MAX_BYTES, dumps, load, loads, save
 from bondgraph.graph import TIME, GraphBond
 from bondgraph.parameters import Parameter
 
@@ -56,7 +72,14 @@ def assert_same(first, second):
     assert [item.name for item in first.elements.values()] == [
         item.name for item in second.elements.values()
     ]
+    assert list(map(type, first.elements.values())) == list(map(type, second.elements.values()))
+    for key in ("pseudo", "power"):
+        ours, theirs = (
+            [str(getattr(e, key, None)) for e in g.elements.values()] for g in (first, second)
+        )
+        assert ours == theirs
     assert first.bonds == second.bonds
+    assert list(first.outputs) == list(second.outputs)
     assert dict(first.ports) == dict(second.ports)
     assert list(first.parameters.items()) == list(second.parameters.items())
     assert list(first.inputs.items()) == list(second.inputs.items())
@@ -130,6 +153,37 @@ LAWS = {
     "Se by its flow": lambda v: Se("s", effort=lambda f: 3 - a * f) >> v,
     "Se, driven": lambda v: Se("s", u) >> v,
     "Sf behind R": lambda v: Sf("s", a) >> Zero("z") >> (v, R("r", 3)),
+    "One, pseudo": lambda v: (
+        Zero("z", pseudo=True) >> (C("c", a), One("w", pseudo=True) >> R("r", 1))
+    ),
+    "De": lambda v: Sf("s", a) >> Zero("z") >> (v, De("gauge")),
+    "Df": lambda v: v >> Df("tachometer"),
+    "Heat of a law": lambda v: (
+        Heat("h", a * v.f**2, pseudo=False) >> Zero("z") >> C("c", effort=sympy.exp)
+    ),
+    "RS": lambda v: v >> RS("pad", a, pseudo=True) >> Zero("z") >> C("c", b, initial=293),
+    "RS by effort": lambda v: (
+        v >> RS("r", effort=lambda f: f**3) >> Zero("z") >> C("c", effort=sympy.exp)
+    ),
+    "RS of Friction": lambda v: (
+        v
+        >> RS(Friction("rub", kinetic=lambda s: a), pseudo=True)
+        >> Zero("z")
+        >> (C("c", b), R("loss", 1))
+    ),
+    "Block": lambda v: (
+        y := Block("y", rate=lambda y: a * sympy.sin(y) - y**3 + v.f, initial=b),
+        Se("s", y.y) >> v,
+    ),
+    "Integrator": lambda v: (
+        x := Integrator("x", a * v.f + TIME, initial=2),
+        v >> R("r", 1 + x.y**2),
+    ),
+    "Lag": lambda v: (x := Lag("x", v.f, 0.5), v >> R("r", 1 + x.y**2)),
+    "Lag by symbols": lambda v: (
+        Lag("x", a * v.f + b * TIME + 1, (a + b) / a, initial=a),
+        v >> R("r", 1),
+    ),
     "TF": lambda v: v >> TF("n", -0.2) >> One("w") >> (R("r", 1), C("c", 2)),
     "GY": lambda v: v >> GY("n", a) >> One("w") >> (R("r", 1), I("i", 2)),
 }
@@ -139,6 +193,188 @@ LAWS = {
 def test_each_law_survives(name):
     graph = around(LAWS[name], inputs={u: "V"} if "driven" in name else {})
     assert_same(graph, reloaded(graph))
+
+
+def switches(v):
+    """Every switching element beside a spring, a source and a resistor."""
+    height = C("height", stiffness=0, initial=1)
+    loop, tank = One("loop"), Zero("tank")
+    return (
+        Sf("drive", 1) >> Zero("z") >> (v, Clutch("clutch", a * u, static=2 * a)),
+        Sf("pump", u) >> Zero("y") >> (Clutch("plain", a), R("leak", 1)),
+        v >> (height, EndStop("floor", gap=height.q + b, restitution=0.5, rest=0.01)),
+        v >> EndStop("wall", gap=1 - height.q, restitution=0),
+        Se("mains", u) >> loop >> (Diode("diode", drop=0.6, resistance=a), R("load", 3), tank),
+        tank >> (C("store", b), CheckValve("valve"), Switch("relay", closed=TIME - a)),
+    )
+
+
+def test_switching_elements_survive_with_all_their_numbers():
+    graph = around(switches, inputs=[u])
+    again = reloaded(graph)
+    assert list(again.elements) == list(graph.elements)
+    for name, element in graph.elements.items():
+        assert str(again[name].laws) == str(element.laws), name
+    for modes in (
+        {"diode": "blocking", "relay": "open"},
+        {"diode": "conducting", "floor": "contact"},
+    ):
+        rest = {"valve": "closed", "clutch": "slip+", "plain": "slip+", "wall": "free"}
+        rest = {"floor": "free", "relay": "open"} | rest | modes
+        assert_same(in_mode(graph, rest), in_mode(again, rest))
+
+
+BEAM = {"stiffness": [[a, -2], [-2, b]]}
+FIELD_LAWS = {
+    "stiffness": (
+        CField("x", ("one", "two"), **BEAM, initial={"two": a}),
+        'stiffness = [["a", -2]',
+    ),
+    "compliance": (
+        CField("x", ("one", "two"), compliance=[[a, 1], [1, b]]),
+        'compliance = [["a", 1]',
+    ),
+    "singular": (CField("x", ("one", "two"), stiffness=[[1, -1], [-1, 1]]), "stiffness = [[1, -1]"),
+    "no stiffness": (CField("x", ("one", "two"), energy=lambda p, q: 0), "stiffness = [[0, 0]"),
+    "potential": (
+        CField("x", ("one", "two"), energy=lambda p, q: a * sympy.cosh(p - q) + q**4),
+        'energy = "two**4 + a*cosh(one - two)"',
+    ),
+    "inertance": (IField("x", ("one", "two"), inertance=[[2, b], [b, 3]]), 'inertance = [[2, "b"]'),
+    "kinetic": (
+        IField("x", ("one", "two"), energy=lambda p, q: sympy.sqrt(1 + p**2 + q**2)),
+        'energy = "sqrt(one**2 + two**2 + 1)"',
+    ),
+    "solenoid": (
+        ICField("x", {"one": "I", "two": "C"}, energy=lambda p, q: p**2 * (q + a) / 2),
+        'ports = { one = "I", two = "C" }, energy = "one**2*(two + a)/2"',
+    ),
+    "resistance": (RField("x", ("one", "two"), resistance=[[a, 1], [2, b]]), "resistance = [["),
+    "conductance": (
+        RField("x", ("one", "two"), conductance=[[a, 0.5], [2, b]]),
+        "conductance = [[",
+    ),
+    "efforts": (
+        RField("x", ("one", "two"), effort=lambda f, g: (a * f**3 + g, sympy.Abs(g) * g)),
+        'effort = { one = "one**3*a + two", two = "two*abs(two)" }',
+    ),
+    "flows": (
+        RField("x", ("one", "two"), flow=lambda t, s: (a * (t - s) / t, a * (s - t) / s)),
+        "flow = { one = ",
+    ),
+}
+
+
+def about(field):
+    """A graph in which each port of a field stands at a storage that suits it."""
+    bonds = []
+    for port, element in field.ports.items():
+        if isinstance(element, C):
+            bonds.append(One(f"at_{port}") >> (I(f"m_{port}", 2), element))
+        else:
+            store = C(f"c_{port}", effort=lambda q: 300 * sympy.exp(q))
+            bonds.append(Zero(f"at_{port}") >> (store, element))
+    return assemble("g", *bonds)
+
+
+@pytest.mark.parametrize("name", FIELD_LAWS)
+def test_fields_stay_fields(name):
+    field, form = FIELD_LAWS[name]
+    graph = about(field)
+    assert form in dumps(graph)
+    again = reloaded(graph)
+    assert_same(graph, again)
+    for port in ("x.one", "x.two"):
+        for key in ("law", "energy", "inverse", "partners", "effort", "flow", "initial"):
+            assert str(getattr(again[port], key, "")) == str(getattr(graph[port], key, "")), key
+    if not isinstance(field, RField):
+        states = {again["x.one"].state, again["x.two"].state}
+        assert {*again["x.one"].partners, again["x.one"].state} == states
+        assert "x" in derive(again).energies or graph["x.one"].energy == 0
+
+
+def test_ports_keep_their_place_among_the_states():
+    beam = CField("beam", ("tip", "middle", "root"), stiffness=[[3, 1, 0], [1, 3, 1], [0, 1, 3]])
+    v, w, x = One("v"), One("w"), One("x")
+    graph = assemble(
+        "g",
+        w >> (I("n", 1), beam["middle"]),
+        x >> (beam["root"], I("o", 1)),
+        v >> (beam["tip"], I("m", 1)),
+    )
+    assert '{ name = "beam.tip", kind = "Port" }' in dumps(graph)
+    again = reloaded(graph)
+    assert_same(graph, again)
+    states = ["n.p", "beam.middle.q", "beam.root.q", "o.p", "beam.tip.q", "m.p"]
+    assert [state.name for state in derive(again).states] == states
+    assert again["beam.tip"].energy != 0 and again["beam.middle"].energy == 0
+
+
+def test_fields_and_heat_in_submodels_keep_their_names():
+    def axle(name):
+        v, w, room = One("v"), One("w"), Zero("room", pseudo=True)
+        beam = CField("beam", ("tip", "root"), **BEAM)
+        return assemble(
+            name,
+            v >> (I("m", 1), beam["tip"], Df("speed")),
+            w >> (I("n", 2), beam["root"]),
+            v >> RS("pad", 20, pseudo=True) >> room >> C("heat", 500),
+            ports={"v": v},
+        )
+
+    rear, front = axle("rear"), axle("front")
+    graph = assemble(
+        "car", rear.port("v") >> TF("n", 2) >> front.port("v"), outputs={"t": rear["room"].e}
+    )
+    again = reloaded(graph)
+    assert_same(graph, again)
+    assert {"rear.beam", "front.beam"} <= derive(again).energies.keys()
+    assert (again["rear.beam.tip"].name, again["rear.pad_heat"].name) == ("beam.tip", "pad_heat")
+    parent = assemble("parent", again)
+    assert_same(parent, reloaded(parent))
+
+
+def test_heat_of_a_dissipator_in_another_submodel_survives():
+    rub, v = RS("rub", 3, pseudo=True), One("v")
+    part = assemble("part", v >> (I("m", 1), rub))
+    graph = assemble("whole", part, rub >> Zero("z") >> C("c", 500))
+    assert 'kind = "Heat", dissipator = "part.rub", pseudo = true' in dumps(graph)
+    assert_same(graph, reloaded(graph))
+
+
+def test_sensors_outputs_keep_order_unit_and_meaning():
+    z, gauge = Zero("z"), De("gauge")
+    inner = assemble(
+        "tank", Sf("s", 1) >> z >> (C("c", 2), gauge), outputs={"q": z.e**2}, ports={"z": z}
+    )
+    graph = assemble("g", inner.port("z") >> De("other"), outputs={"last": (z.e, "Pa")})
+    assert_same(graph, reloaded(graph))
+    named = replace(
+        graph,
+        outputs=MappingProxyType(
+            {
+                **graph.outputs,
+                "other": replace(graph.outputs["other"], unit="Pa", meaning="pressure"),
+            }
+        ),
+    )
+    again = reloaded(named)
+    assert again.outputs["other"].unit == "Pa" and again.outputs["other"].meaning == "pressure"
+    assert list(again.outputs) == list(named.outputs)
+
+
+@pytest.mark.parametrize("name", ["t", "pi", "f", "a", "exp", "two words", "lambda"])
+def test_ports_may_have_any_name(name):
+    field = CField("x", ("one", name), energy=lambda p, q: a * sympy.cosh(p - sympy.pi * q))
+    v = One("v")
+    graph = assemble("g", v >> (I("m", 1), field["one"]), One("w") >> (I("n", 1), field[name]))
+    assert_same(graph, reloaded(graph))
+
+
+def test_a_port_without_its_field_is_named():
+    field = CField("x", ("one", "two"), stiffness=[[1, 0], [0, 1]])
+    with pytest.raises(ModelError, match=r"field 'x' has bonds at two only.*bond every port"):
+        dumps(around(lambda v: v >> field["two"]))
 
 
 def test_arrows_that_were_turned_round_survive():
@@ -178,6 +414,7 @@ def test_every_kind_of_element_has_a_form():
         for kind in final(elements.Element)
         if kind.__module__.startswith("bondgraph.elements.")
     }
+    assert {kind.build for kind in FIELDS.values()} == {CField, IField, ICField, RField}
 
 
 def test_modulation_by_variables_of_other_elements_survives():
@@ -351,8 +588,8 @@ def test_random_graphs_survive(sketch):
 
 def test_the_page_about_model_files_holds_a_model():
     page = (DOCS / "model_files.md").read_text(encoding="utf-8")
-    (text,) = re.findall(r"^```toml\n(.*?)^```", page, re.DOTALL | re.MULTILINE)
-    graph = loads(text)
+    winch, *others = re.findall(r"^```toml\n(.*?)^```", page, re.DOTALL | re.MULTILINE)
+    graph = loads(winch)
     equations = derive(graph)
     assert [state.name for state in equations.states] == [
         "winding.p",
@@ -362,8 +599,11 @@ def test_the_page_about_model_files_holds_a_model():
     ]
     assert not equations.algebraic
     assert_same(graph, reloaded(graph))
-    kinds = {type(element).__name__ for element in graph.elements.values()}
-    assert kinds == set(KINDS) - {"Sf"}
+    for text in others:
+        again = loads(text)
+        assert_same(again, reloaded(again))
+    table = page.partition("| kind |")[2].partition("\n\n")[0]
+    assert {*KINDS, *FIELDS, "RS", "Port"} <= set(re.findall(r"`(\w+)`", table))
 
 
 BY_HAND = """
@@ -434,11 +674,13 @@ flow = "0.1*sin(pi*t)"
 """
 
 
-def test_a_file_written_by_hand_with_every_kind():
+def test_files_written_by_hand_hold_every_kind():
+    made = [*loads(BY_HAND).elements.values(), *loads(SWITCHED_BY_HAND).elements.values()]
+    assert {type(element) for element in made} == {kind.build for kind in KINDS.values()}
+
+
+def test_a_file_written_by_hand():
     graph = loads(BY_HAND)
-    assert {type(element) for element in graph.elements.values()} == {
-        kind.build for kind in KINDS.values()
-    }
     k, m = sympy.symbols("k m", real=True)
     assert graph.parameters == {k: Parameter(2 * m**2), m: Parameter(0.5)}
     spring = graph["k"]
@@ -453,6 +695,164 @@ def test_a_file_written_by_hand_with_every_kind():
         "k.q",
     ]  # the gyrator turns c into an inertia
     assert_same(graph, reloaded(graph))
+
+
+SWITCHED_BY_HAND = """
+schema = 1
+name = "press"
+bonds = ["motor > z", "z > plates", "z > v", "v > ram", "v > way", "v > die", "v > speed",
+         "v > pad", "pad_heat > steel", "steel > mass", "plates_heat > steel", "steel > thermometer",
+         "mains > loop", "loop > d", "loop > relay", "loop > r", "w > s.coil", "v > s.gap", "v > stay.a",
+         "w > turn", "turn > loop", "w > stay.b", "w > coils.one", "w > inlet", "loop > coils.two",
+         "w > web.one", "loop > web.two", "rub_heat > steel", "v > rub"]
+
+[[elements]]
+name = "motor"
+kind = "Sf"
+flow = "control.y"
+[[elements]]
+name = "z"
+kind = "0"
+[[elements]]
+name = "plates"
+kind = "Clutch"
+capacity = "10*(1 + gauge.y**2)"
+[[elements]]
+name = "plates_heat"
+kind = "Heat"
+dissipator = "plates"
+pseudo = true
+[[elements]]
+name = "v"
+kind = "One"
+[[elements]]
+name = "ram"
+kind = "I"
+inertance = 2
+[[elements]]
+name = "way"
+kind = "C"
+stiffness = 0
+[[elements]]
+name = "die"
+kind = "EndStop"
+gap = "0.5 - way.q"
+restitution = 0.2
+[[elements]]
+name = "speed"
+kind = "Df"
+[[elements]]
+name = "pad"
+kind = "RS"
+effort = "3*f*abs(f)"
+pseudo = true
+[[elements]]
+name = "steel"
+kind = "Zero"
+pseudo = true
+[[elements]]
+name = "mass"
+kind = "C"
+capacitance = 500
+initial = 500
+[[elements]]
+name = "thermometer"
+kind = "De"
+[[elements]]
+name = "mains"
+kind = "Se"
+effort = 12
+[[elements]]
+name = "loop"
+kind = "One"
+[[elements]]
+name = "d"
+kind = "Diode"
+drop = 0.6
+[[elements]]
+name = "relay"
+kind = "Switch"
+closed = "1 - t"
+[[elements]]
+name = "r"
+kind = "R"
+resistance = 3
+[[elements]]
+name = "w"
+kind = "1"
+[[elements]]
+name = "turn"
+kind = "TF"
+ratio = 2
+[[elements]]
+name = "inlet"
+kind = "CheckValve"
+[[elements]]
+name = "s"
+kind = "ICField"
+ports = { coil = "I", gap = "C" }
+energy = "coil**2*(1 + gap)/2"
+initial.gap = 0.25
+[[elements]]
+name = "stay"
+kind = "CField"
+ports = ["a", "b"]
+stiffness = [[2, -1], [-1, "1 + t*0"]]
+[[elements]]
+name = "coils"
+kind = "IField"
+ports = ["one", "two"]
+inertance = [[2, 1], [1, 2]]
+[[elements]]
+name = "web"
+kind = "RField"
+ports = ["one", "two"]
+effort = { one = "one + two**3", two = "2*two" }
+[[elements]]
+name = "rub"
+kind = "Friction"
+kinetic = 3
+[[elements]]
+name = "rub_heat"
+kind = "Heat"
+power = "rub.e*rub.f"
+pseudo = true
+[[elements]]
+name = "control"
+kind = "Block"
+rate = "3 - y - v.f"
+[[elements]]
+name = "gauge"
+kind = "Lag"
+signal = "v.f"
+time_constant = 0.5
+[[elements]]
+name = "way_sum"
+kind = "Integrator"
+signal = "speed.f"
+initial = 1
+"""
+
+
+def test_a_hand_written_file_means_what_it_says():
+    graph = loads(SWITCHED_BY_HAND)
+    coil, gap = graph["s.coil"], graph["s.gap"]
+    assert (coil.law, gap.law) == (coil.p * (1 + gap.q), coil.p**2 / 2)
+    assert sympy.expand(
+        coil.energy - coil.p**2 * (1 + gap.q) / 2
+    ) == 0 and gap.initial == sympy.Rational(1, 4)
+    one, two = graph["coils.one"], graph["coils.two"]
+    assert sympy.expand(one.law - (2 * one.p - two.p) / 3) == 0
+    assert graph["web.one"].effort == graph["web.one"].f + graph["web.two"].f ** 3
+    assert graph["pad_heat"].flow == graph["pad"].e * graph["pad"].f
+    assert graph["steel"].pseudo and not graph["z"].pseudo
+    assert graph["die"].gap == sympy.Rational(1, 2) - graph["way"].q
+    assert graph["gauge"].rate == 2 * graph["v"].f - 2 * graph["gauge"].y
+    assert graph["control"].rate == 3 - graph["control"].y - graph["v"].f
+    assert list(graph.outputs) == ["speed", "thermometer"]
+    text = dumps(graph)
+    assert 'name = "rub_heat", kind = "Heat", dissipator = "rub"' in text
+    assert dumps(loads(text)) == text
 
 
 GOOD = """
@@ -625,6 +1025,203 @@ def test_malformed_files_are_named(name, tmp_path):
     assert type(caught.value) is kind, message
     assert message.startswith(f"{path}: ") and words in message
     assert len(message.splitlines()) == 1 and len(message) < 1100
+
+
+LINK = """
+schema = 1
+name = "link"
+elements = [
+  { name = "v", kind = "One" },
+  { name = "m", kind = "I", inertance = 1 },
+  { name = "w", kind = "One" },
+  { name = "n", kind = "I", inertance = 1 },
+  { name = "x", kind = "CField", ports = ["one", "two"], stiffness = [["k", -1], [-1, "k"]], initial = { one = 0.1 } },
+  { name = "wall", kind = "RField", ports = ["hot", "cold"], effort = { hot = "hot**3", cold = "2*cold" } },
+  { name = "s", kind = "ICField", ports = { coil = "I", gap = "C" }, energy = "coil**2*(1 + gap)" },
+  { name = "z", kind = "Zero", pseudo = true },
+  { name = "pad", kind = "RS", resistance = 3, pseudo = true },
+  { name = "rub", kind = "Clutch", capacity = 2 },
+  { name = "rub_heat", kind = "Heat", dissipator = "rub", pseudo = true },
+  { name = "stop", kind = "EndStop", gap = 1, restitution = 0.5 },
+  { name = "relay", kind = "Switch", closed = "t" },
+  { name = "lag", kind = "Lag", signal = "v.f", time_constant = 2 },
+  { name = "gauge", kind = "De" },
+  { name = "s.gap", kind = "Port" },
+]
+bonds = ["v > m", "w > n", "v > x.one", "w > x.two", "v > wall.hot", "w > wall.cold", "v > s.coil",
+         "w > s.gap", "v > pad", "v > rub", "pad_heat > z", "rub_heat > z", "v > stop", "v > relay", "z > gauge"]
+parameters.k = 2
+"""
+MATRIX = '[["k", -1], [-1, "k"]]'
+EFFORT = '{ hot = "hot**3", cold = "2*cold" }'
+MALFORMED_FIELDS = {
+    "row missing": (MATRIX, '[["k", -1]]', ModelError, "'x', stiffness has 1 row; 2 ports need"),
+    "row short": (
+        MATRIX,
+        '[["k", -1], [-1]]',
+        ModelError,
+        "stiffness, row 2 is [-1]; 2 ports need",
+    ),
+    "no matrix": (MATRIX, '"k"', ModelError, "stiffness is 'k'; write a matrix"),
+    "not symmetric": (
+        MATRIX,
+        '[["k", -1], [1, "k"]]',
+        LawError,
+        "'x': the stiffness matrix is not",
+    ),
+    "singular": (f"stiffness = {MATRIX}", "compliance = [[1, 1], [1, 1]]", LawError, "is singular"),
+    "entry": (MATRIX, '[["kk", -1], [-1, 1]]', LawError, "stiffness, row 1, column 1: column 1"),
+    "code": (MATRIX, "[[\"exec('1')\", -1], [-1, 1]]", LawError, "there is no function"),
+    "no law": (f"stiffness = {MATRIX}, ", "", LawError, "CField 'x' takes exactly one of"),
+    "two laws": ("stiffness = ", 'energy = "one", stiffness = ', LawError, "exactly one of"),
+    "law of another": ("stiffness = ", "inertance = ", ModelError, "unknown key 'inertance'"),
+    "no ports": (
+        'ports = ["one", "two"], ',
+        "",
+        ModelError,
+        "'x' (CField): ports is missing; write",
+    ),
+    "ports as text": ('ports = ["one", "two"]', 'ports = "one"', ModelError, "ports is 'one'"),
+    "ports as table": ('["one", "two"]', '{ one = "C" }', ModelError, "write ports = ["),
+    "ports as list": ('{ coil = "I", gap = "C" }', '["coil"]', ModelError, "write ports = { coil"),
+    "port of no kind": ('gap = "C"', 'gap = "R"', ModelError, "port 'gap' is 'R'; write \"C\""),
+    "port twice": ('["one", "two"]', '["one", "one"]', ModelError, "a port is there twice"),
+    "port as number": ('["one", "two"]', "[1, 2]", ModelError, "give names in quotes"),
+    "one port": (
+        '["one", "two"], stiffness = ' + MATRIX,
+        '["one"], stiffness = [[1]]',
+        GraphError,
+        "two ports",
+    ),
+    "dot in port": ('["one", "two"]', '["one", "t.o"]', GraphError, "'.' and '>' are kept"),
+    "bond to no port": ('"w > x.two"', '"w > x.too"', GraphError, "did you mean x.two"),
+    "bond to a field": (
+        '"w > x.two"',
+        '"w > x"',
+        GraphError,
+        "'x' has ports; name one of x.one, x.two",
+    ),
+    "port without bond": (', "w > x.two"', "", GraphError, "C 'x.two' has no bond"),
+    "initial of no port": (
+        "{ one = 0.1 }",
+        "{ on = 0.1 }",
+        ModelError,
+        "no port 'on'; did you mean one",
+    ),
+    "initial as number": ("{ one = 0.1 }", "0.1", ModelError, "write initial = { one = ..., two"),
+    "formula missing": (EFFORT, '{ hot = "hot" }', ModelError, "port 'cold' has no formula"),
+    "formula too many": (EFFORT, "{ hot = 1, cold = 2, out = 3 }", ModelError, "no port 'out'"),
+    "formula of no name": ("2*cold", "2*cool", LawError, "effort, port 'cold': column 3"),
+    "no energy": (', energy = "coil**2*(1 + gap)"', "", LawError, "needs the key 'energy'"),
+    "place of no port": (
+        '"s.gap", kind',
+        '"s.gp", kind',
+        ModelError,
+        "no field has this port; did you mean s.gap",
+    ),
+    "place with a law": (
+        'kind = "Port"',
+        'kind = "Port", stiffness = 1',
+        ModelError,
+        "'s.gap' (Port): unknown",
+    ),
+    "field twice": ('name = "wall", kind', 'name = "x", kind', GraphError, "'x' is there twice"),
+    "port and element": ('name = "lag"', 'name = "x.one"', GraphError, "'x.one' is there twice"),
+    "heat and element": (
+        'name = "lag"',
+        'name = "pad_heat"',
+        GraphError,
+        "'pad_heat' is there twice",
+    ),
+    "RS without a law": (
+        "resistance = 3, ",
+        "",
+        LawError,
+        "element 'pad' (RS) has no law; give resistance",
+    ),
+    "RS by dissipator": (
+        "resistance = 3",
+        'dissipator = "rub"',
+        ModelError,
+        "unknown key 'dissipator'",
+    ),
+    "pseudo as text": (
+        "pseudo = true }",
+        'pseudo = "yes" }',
+        ModelError,
+        "pseudo is 'yes'; write true or false",
+    ),
+    "heat of nothing": (
+        'dissipator = "rub", ',
+        "",
+        LawError,
+        "takes exactly one of dissipator, power",
+    ),
+    "heat of two": (
+        'dissipator = "rub"',
+        'dissipator = "rub", power = 3',
+        LawError,
+        "exactly one of",
+    ),
+    "heat of a mass": (
+        'dissipator = "rub"',
+        'dissipator = "m"',
+        GraphError,
+        "there is no dissipator 'm'",
+    ),
+    "heat of a number": ('dissipator = "rub"', "dissipator = 3", ModelError, "dissipator is 3"),
+    "no gap": ("gap = 1, ", "", LawError, "element 'stop' (EndStop) needs the key 'gap'"),
+    "restitution": ("restitution = 0.5", "restitution = 2", LawError, "between 0 and 1"),
+    "no signal": (', closed = "t"', "", LawError, "needs the key 'closed'"),
+    "time constant": ("time_constant = 2", "time_constant = 0", LawError, "must be positive"),
+    "sensor with a law": (
+        'kind = "De"',
+        'kind = "De", flow = 0',
+        ModelError,
+        "'gauge' (De): unknown key",
+    ),
+    "output of a sensor's name": (
+        "parameters.k = 2",
+        'parameters.k = 2\noutputs.gauge = "v.f"',
+        GraphError,
+        "has the name of a sensor",
+    ),
+    "too many ports": (
+        '["one", "two"]',
+        str([f"p{i}" for i in range(50)]),
+        ModelError,
+        "40 at most",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", MALFORMED_FIELDS)
+def test_malformed_fields_heat_and_switches_are_named(name):
+    old, new, kind, words = MALFORMED_FIELDS[name]
+    assert old in LINK
+    with pytest.raises(BondGraphError) as caught:
+        loads(LINK.replace(old, new, 1))
+    message = str(caught.value)
+    assert type(caught.value) is kind, message
+    assert message.startswith("model: ") and words in message, message
+    assert len(message.splitlines()) == 1 and len(message) < 1100
+
+
+def test_a_matrix_that_would_swell_is_refused_or_quick():
+    ports = [f"p{index}" for index in range(6)]
+    rows = [[f"a{min(i, j)}{max(i, j)}" for j in range(6)] for i in range(6)]
+    row = f'name = "x", kind = "CField", ports = {ports}, compliance = {rows}'
+    names = "\n".join(f"parameters.{name} = 1" for name in {entry for row in rows for entry in row})
+    text = LINK.replace("elements = [", f"elements = [{{ {row.replace('x', 'y', 1)} }},") + names
+    with pytest.raises(
+        LawError, match="is inverted in numbers only; give numbers, or stiffness or"
+    ):
+        loads(text)
+
+
+def test_the_text_that_the_malformed_fields_come_from_is_good():
+    text = dumps(loads(LINK))
+    assert dumps(loads(text)) == text
 
 
 def test_the_text_that_the_malformed_ones_come_from_is_good():

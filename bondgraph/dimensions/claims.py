@@ -7,11 +7,12 @@ from fractions import Fraction
 
 import sympy
 
-from ..elements import TF, C, Element, Friction, OnePort, R, Se, Sf, Storage, TwoPort
+from ..elements import TF, Element, Heat, Junction, SignalBlock, TwoPort
 from ..errors import ParameterError
 from ..graph import TIME, BondGraph, Output
 from ..parameters import Parameter
-from .forms import POWER, SECOND, Form, dimension, per, times
+from .forms import POWER, SECOND, TEMPERATURE, Form, dimension, per, times
+from .laws import law_claims
 from .reader import Claim, Lookup, Reader, Value
 
 
@@ -24,6 +25,10 @@ class Regions:
         Bonds of each element.
     of_bond : list of int
         Region of each bond.
+    of_block : dict of str to int
+        Number of each signal block: what it says has a dimension of its own.
+    pseudo : dict of int to str
+        Regions of pseudo-bonds, effort in K and flow in W, and who says so.
     """
 
     def __init__(self, graph: BondGraph) -> None:
@@ -38,6 +43,13 @@ class Regions:
             if self.of_bond[start] < 0:
                 self._flood(start, count)
                 count += 1
+        blocks = (name for name, _ in graph.of(SignalBlock))
+        self.of_block = {name: count + place for place, name in enumerate(blocks)}
+        self.pseudo = {
+            self.of_bond[self.at[name][0]]: f"{element.kind} {name!r}"
+            for name, element in graph.of((Junction, Heat))
+            if element.pseudo and self.at[name]
+        }
 
     def _flood(self, start: int, region: int) -> None:
         stack = [start]
@@ -136,6 +148,8 @@ class Symbols(Lookup):
 
 
 def _port_variables(element: Element, regions: Regions, name: str) -> dict[sympy.Basic, Form]:
+    if isinstance(element, SignalBlock):
+        return {element.y: {regions.of_block[name]: Fraction(1)}}
     bonds = regions.at[name]
     if not bonds:
         return {symbol: {} for symbol in element.symbols.values()}
@@ -146,6 +160,8 @@ def _port_variables(element: Element, regions: Regions, name: str) -> dict[sympy
     for suffix, bond in sides:
         effort: Form = {regions.of_bond[bond]: Fraction(1)}
         flow = per(POWER, effort)
+        if regions.of_bond[bond] in regions.pseudo:
+            effort, flow = TEMPERATURE, POWER
         forms = {"e": effort, "f": flow, "speed": flow}
         forms |= {"q": times(flow, SECOND), "p": times(effort, SECOND)}
         for key, form in forms.items():
@@ -158,24 +174,27 @@ def claims(graph: BondGraph, regions: Regions, symbols: Symbols) -> list[Claim]:
     """Gather what parameters, laws and outputs ask for, in the order written."""
     gathered = list(symbols.claims)
     for name, element in graph.elements.items():
-        if regions.at[name]:
-            gathered += _element_claims(name, element, symbols)
+        if regions.at[name] or isinstance(element, SignalBlock):
+            gathered += _element_claims(name, element, symbols, regions)
     for name, output in graph.outputs.items():
         gathered += _output_claims(name, output, symbols)
     return gathered
 
 
-def _element_claims(name: str, element: Element, symbols: Symbols) -> list[Claim]:
+def _element_claims(name: str, element: Element, symbols: Symbols, regions: Regions) -> list[Claim]:
     if isinstance(element, TwoPort):
-        return _two_port_claims(name, element, symbols)
-    laws = _laws(element)
-    reader = Reader(symbols, f"{element.kind} {name!r}{symbols.shown(law for _, law, _ in laws)}")
-    for variable, law, what in laws:
-        value = reader.read(law)
-        if value is not None and value.anchored:
-            words = f"has {what} in <left>, but its law is in <right>"
-            firm = what in ("effort", "flow")
-            reader.claim(symbols.variables[variable], value.form, words, firm=firm)
+        sides = {regions.of_bond[bond] for bond in regions.at[name]}
+        return [] if sides & regions.pseudo.keys() else _two_port_claims(name, element, symbols)
+    laws = law_claims(element, symbols.variables)
+    reader = Reader(symbols, f"{element.kind} {name!r}{symbols.shown(item.law for item in laws)}")
+    for item in laws:
+        value = reader.read(item.law)
+        if item.form is not None and value is not None and (value.anchored or item.certain):
+            words = f"has {item.what} in <left>, but its law is in <right>"
+            reader.claim(item.form, value.form, words, firm=item.firm)
+    if isinstance(element, Heat) and not element.pseudo:
+        words = "has effort in <left>, where a temperature is wanted"
+        reader.claim(symbols.variables[element.e], TEMPERATURE, words, firm=True)
     return reader.claims
 
 
@@ -197,23 +216,3 @@ def _two_port_claims(name: str, element: TwoPort, symbols: Symbols) -> list[Clai
         below = symbols.variables[element.e_out if isinstance(element, TF) else element.f_out]
         reader.claim(per(above, below), value.form, "", two_port=True)
     return reader.claims
-
-
-def _laws(element: Element) -> list[tuple[sympy.Symbol, sympy.Expr, str]]:
-    """Return variable, law and what it is, once for each independent law of a one-port."""
-    laws: list[tuple[sympy.Symbol, sympy.Expr | None, str]] = []
-    if isinstance(element, Storage):
-        main = "effort" if isinstance(element, C) else "flow"
-        laws.append((element.coenergy, element.law, main))
-        laws.append((element.state, element.initial, "its initial state"))
-    elif isinstance(element, Friction):
-        laws.append((element.e, element.kinetic, "effort"))
-        if element.breakaway != element.kinetic.xreplace({element.speed: sympy.S.Zero}):
-            laws.append((element.e, element.breakaway, "its breakaway"))
-        laws.append((element.f, element.smoothing, "its smoothing width"))
-    elif isinstance(element, Se | R) and element.effort is not None:
-        laws.append((element.e, element.effort, "effort"))
-    elif isinstance(element, Sf | R):
-        laws.append((element.f, element.flow, "flow"))
-    assert laws or not isinstance(element, OnePort)
-    return [(variable, law, what) for variable, law, what in laws if law is not None]

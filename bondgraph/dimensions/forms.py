@@ -23,6 +23,18 @@ DISPLAY: Mapping[str, tuple[str, str, str, str]] = MappingProxyType(
     }
 )
 
+# The same on pseudo-bonds, whose flow is heat.
+PSEUDO = ("K", "W", "J", "K*s")
+
+# Units of integrals over time, by the unit of what is integrated.
+INTEGRALS: Mapping[str, str] = MappingProxyType(
+    {
+        unit: integral
+        for effort, flow, displacement, momentum in (*DISPLAY.values(), PSEUDO)
+        for unit, integral in ((effort, momentum), (flow, displacement))
+    }
+)
+
 # Exponent by base unit, and by region for an effort that is not known yet.
 Form = dict[str | int, Fraction]
 
@@ -53,13 +65,14 @@ def form(**powers: int) -> Form:
 
 POWER = form(kg=1, m=2, s=-3)
 SECOND = form(s=1)
+TEMPERATURE = form(K=1)
 EFFORTS: Mapping[str, Form] = MappingProxyType(
     {
         "translation": form(kg=1, m=1, s=-2),
         "rotation": form(kg=1, m=2, s=-2),
         "hydraulic": form(kg=1, m=-1, s=-2),
         "electrical": form(kg=1, m=2, s=-3, A=-1),
-        "thermal": form(K=1),
+        "thermal": TEMPERATURE,
     }
 )
 

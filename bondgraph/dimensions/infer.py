@@ -8,10 +8,11 @@ from types import MappingProxyType
 
 import sympy
 
-from ..elements import C, Element, Storage, TwoPort
+from ..elements import C, De, Df, Element, Integrator, Lag, SignalBlock, Storage, TwoPort
 from ..graph import BondGraph
 from .claims import Regions, Symbols, claims
-from .forms import DISPLAY, UNKNOWN, Form, named_unit
+from .forms import DISPLAY, INTEGRALS, PSEUDO, TEMPERATURE, UNKNOWN, Form, named_unit
+from .laws import lag_law
 from .solver import Solver
 
 
@@ -23,7 +24,7 @@ class Dimensions:
     ----------
     units : mapping of str to str or None
         SI unit of every port variable and state by qualified name, such as
-        ``rear.mass.p``; None where nothing is known.
+        ``rear.mass.p``, and of every sensor's output; None where nothing is known.
     domains : mapping of str to str
         ``translation``, ``rotation``, ``hydraulic``, ``electrical``,
         ``thermal`` or ``unknown`` by name of bond and of element; a two-port
@@ -73,13 +74,22 @@ def infer(graph: BondGraph) -> Dimensions:
     """
     regions = Regions(graph)
     symbols = Symbols(graph, regions)
-    solver = Solver(claims(graph, regions, symbols))
+    solver = Solver(claims(graph, regions, symbols), regions.pseudo, regions.of_block.values())
+    by_symbol = {
+        symbol: _unit(element, symbol, symbols.variables[symbol], solver)
+        for element in graph.elements.values()
+        for symbol in element.symbols.values()
+    }
+    for _, block in graph.of(SignalBlock):
+        by_symbol[block.y] = _signal_unit(block, by_symbol, symbols, solver)
     units = {
-        f"{name}.{key}": _unit(element, symbol, symbols.variables[symbol], solver)
+        f"{name}.{key}": by_symbol[symbol]
         for name, element in graph.elements.items()
         for key, symbol in element.symbols.items()
         if key != "speed"  # the slip speed of a contact's law is its flow
     }
+    for name, sensor in graph.of((De, Df)):
+        units[name] = by_symbol[sensor.e if isinstance(sensor, De) else sensor.f]
     domains = {
         bond.name: solver.domain(region)
         for bond, region in zip(graph.bonds, regions.of_bond, strict=True)
@@ -93,15 +103,37 @@ def infer(graph: BondGraph) -> Dimensions:
 
 def _unit(element: Element, symbol: sympy.Symbol, form: Form, solver: Solver) -> str | None:
     region = next((key for key in form if isinstance(key, int)), None)
-    if region is None or region not in solver.effort:
+    if region is None and form:
+        units: tuple[str, str, str, str] | None = PSEUDO
+    elif region is None or region not in solver.effort:
         return None
-    units = DISPLAY.get(solver.domain(region))
+    else:
+        units = DISPLAY.get(solver.domain(region))
     if units is None:
         return named_unit(solver.resolved(form))
     effort, flow, displacement, momentum = units
     if isinstance(element, Storage) and symbol is element.state:
         return displacement if isinstance(element, C) else momentum
-    return effort if form == {region: 1} else flow
+    return effort if form in ({region: 1}, TEMPERATURE) else flow
+
+
+def _signal_unit(
+    block: SignalBlock,
+    known: Mapping[sympy.Basic, str | None],
+    symbols: Symbols,
+    solver: Solver,
+) -> str | None:
+    """Return the unit of what a block says; what it hears tells radians from pure numbers."""
+    form = solver.resolved(symbols.variables[block.y])
+    if any(isinstance(key, int) for key in form):
+        return None
+    heard = lag_law(block)[0] if isinstance(block, Lag) else block.rate
+    unit = known.get(heard)
+    if unit and isinstance(block, Lag):
+        return unit
+    if unit and isinstance(block, Integrator):
+        return INTEGRALS.get(unit, named_unit(form))
+    return named_unit(form)
 
 
 def _domain(element: Element, name: str, regions: Regions, solver: Solver) -> str:

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections import Counter, deque
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable, Mapping
+from types import MappingProxyType
 
-from .forms import DISPLAY, UNKNOWN, Form, domain_of, named_unit, per, raised, times
+from .forms import DISPLAY, TEMPERATURE, UNKNOWN, Form, domain_of, named_unit, per, raised, times
 from .reader import Claim
 
 
@@ -18,12 +19,20 @@ class Solver:
         By region; regions that nothing is known of are left out.
     origin : dict of int to str
         Who decided the effort of a region.
+    signals : frozenset of int
+        Numbers that stand for what a signal block says, and for no effort.
     """
 
-    def __init__(self, claims: Iterable[Claim]) -> None:
+    def __init__(
+        self,
+        claims: Iterable[Claim],
+        pseudo: Mapping[int, str] = MappingProxyType({}),
+        signals: Collection[int] = (),
+    ) -> None:
         self.claims = list(claims)
-        self.effort: dict[int, Form] = {}
-        self.origin: dict[int, str] = {}
+        self.signals = frozenset(signals)
+        self.effort: dict[int, Form] = dict.fromkeys(pseudo, TEMPERATURE)
+        self.origin: dict[int, str] = dict(pseudo)
         for firm in (True, False):
             self._vote(firm)
         self._propagate()
@@ -79,7 +88,7 @@ class Solver:
         if claim.two_port:
             return self._two_port_message(claim)
         asked = _solved(per(claim.left, claim.right))
-        if asked is not None and claim.firm:
+        if asked is not None and claim.firm and asked[0] not in self.signals:
             mine, here = DISPLAY.get(domain_of(asked[1])), DISPLAY.get(self.domain(asked[0]))
             if mine is not None and here is not None:
                 return (
@@ -88,8 +97,14 @@ class Solver:
                 )
         left, right = _shown(self.resolved(claim.left)), _shown(self.resolved(claim.right))
         words = claim.words.replace("<left>", left).replace("<right>", right)
-        because = self._because(per(claim.left, claim.right))
-        return f"{claim.origin} {words}" + (f"; effort is in {because}" if because else "")
+        used = per(claim.left, claim.right)
+        because = self._because({key: used[key] for key in used.keys() - self.signals})
+        heard = self._because({key: used[key] for key in used.keys() & self.signals})
+        return (
+            f"{claim.origin} {words}"
+            + (f"; effort is in {because}" if because else "")
+            + (f"; the signal is in {heard}" if heard else "")
+        )
 
     def _two_port_message(self, claim: Claim) -> str:
         sides = self._because(claim.left) or "two sides of one effort"

@@ -7,6 +7,7 @@ the causality its law wants is worked out like any other.
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, Generic, TypeVar
 
@@ -14,8 +15,9 @@ import sympy
 
 from ..errors import GraphError, LawError
 from ..laws import affine_inverse, exact
-from .base import check_name
+from .base import Element, check_name
 from .dissipators import R
+from .matrices import inverse_of, is_symmetric
 from .storage import C, I, Storage
 
 P = TypeVar("P", bound=C | I | R)
@@ -350,22 +352,24 @@ def _energy_of(
     if key == "energy":
         return law
     matrix = _square(kind, name, key, law, size)
-    if any(sympy.simplify(entry) != 0 for entry in matrix - matrix.T):
+    if not is_symmetric(matrix):
         raise LawError(
             f"{kind} {name!r}: the {key} matrix is not symmetric; such ports do not store energy, they make it",
             elements=[name],
         )
     if key == inverted:
-        if sympy.simplify(matrix.det()) == 0:
+        inverse = inverse_of(matrix)
+        if inverse is None:
             raise LawError(
                 f"{kind} {name!r}: the {key} matrix is singular; leave out the port that follows from the others",
                 elements=[name],
             )
-        matrix = matrix.inv().applyfunc(sympy.cancel)
+        matrix = inverse
 
     def energy(*states: sympy.Expr) -> sympy.Expr:
-        column = sympy.Matrix(states)
-        return sympy.expand((column.T * matrix * column)[0] / 2)
+        squares = (matrix[i, i] * state**2 / 2 for i, state in enumerate(states))
+        pairs = itertools.combinations(range(size), 2)
+        return sympy.Add(*squares, *(matrix[i, j] * states[i] * states[j] for i, j in pairs))
 
     return energy
 
@@ -414,3 +418,17 @@ def _rows(
 def shares_energy(element: Storage) -> bool:
     """Whether a storage is a port of a field."""
     return bool(element.partners)
+
+
+def port_of(element: Element) -> tuple[str, str] | None:
+    """Return the names of field and port of a field's port; None for other elements.
+
+    Only a port of a field has a dot in its own name.
+
+    Examples
+    --------
+    >>> port_of(CField("beam", ("tip", "root"), stiffness=[[2, 1], [1, 2]])["tip"])
+    ('beam', 'tip')
+    """
+    field, dot, port = element.name.rpartition(".")
+    return (field, port) if dot else None

@@ -2,35 +2,62 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import fields
 from typing import Any
 
 import sympy
 
-from ..elements import GY, TF, C, Element, Friction, I, R, Se, Sf
-from ..errors import BondGraphError, LawError
+from ..dimensions.laws import lag_law
+from ..elements import (
+    GY,
+    TF,
+    C,
+    Clutch,
+    De,
+    Df,
+    DryFriction,
+    Element,
+    EndStop,
+    Heat,
+    I,
+    Integrator,
+    Junction,
+    Lag,
+    OneWay,
+    R,
+    Se,
+    Sf,
+    SignalBlock,
+    Switch,
+)
+from ..errors import BondGraphError, GraphError, LawError
 from ..expressions.words import reason
-from .entries import as_expression, at
-from .kinds import KINDS, VARIABLES, Kind, variables_of
+from .entries import as_expression, as_text, at, nearest
+from .fields import as_function
+from .kinds import KINDS, VARIABLES, Kind, local, variables_of
 from .names import Names
+
+HEATERS = (R, DryFriction)
 
 
 def built(
     label: str,
     kind: Kind,
-    row: dict[str, Any],
+    row: Mapping[str, Any],
     names: Names,
     variables: Mapping[str, sympy.Symbol],
 ) -> Element:
     """Build an element whose symbols are the ones other laws already use."""
-    laws = {}
+    laws: dict[str, Any] = {}
     for key, argument in kind.laws.items():
         if key in row:
-            symbol = variables[f"{label}.{argument}"] if argument else None
-            where = f"element {label!r}, {key}"
-            law = as_expression(row[key], names.within(argument, symbol), where)
-            laws[key] = _function(law, symbol) if argument else law
+            bare = {argument: variables[f"{label}.{argument}"]} if argument else {}
+            law = as_expression(row[key], names.within(bare), f"element {label!r}, {key}")
+            laws[key] = as_function(law, list(bare.values())) if argument else law
+    laws |= {key: row.get(key, False) for key in kind.flags}
+    if kind.references:
+        laws["power"] = _power(label, row, laws.get("power"), variables)
     with at(f"element {label!r}"):
         try:
             element = kind.build(local(label), **laws)
@@ -38,6 +65,36 @@ def built(
             raise LawError(f"its law cannot be worked out ({reason(error)}); simplify it") from None
         own = {symbol: variables[f"{label}.{key}"] for key, symbol in variables_of(element).items()}
         return element.replaced(own, name=label)
+
+
+def check_heaters(
+    rows: Mapping[str, tuple[Kind, Mapping[str, Any]]], kinds: Mapping[str, Kind]
+) -> None:
+    """Raise where a heat comes of what is no dissipator of the file."""
+    heaters = [label for label, kind in kinds.items() if issubclass(kind.build, HEATERS)]
+    for label, (kind, row) in rows.items():
+        if not kind.references or "dissipator" not in row:
+            continue
+        name = as_text(row["dissipator"], f"element {label!r}, dissipator")
+        if name not in heaters:
+            raise GraphError(
+                f"element {label!r}: there is no dissipator {name!r}; {nearest(name, heaters or ['none'])}",
+                elements=[label],
+            )
+
+
+def _power(
+    label: str, row: Mapping[str, Any], power: Any, variables: Mapping[str, sympy.Symbol]
+) -> sympy.Expr:
+    """Return the power that becomes heat."""
+    if ("dissipator" in row) is (power is not None):
+        raise LawError(
+            f"element {label!r} (Heat) takes exactly one of dissipator, power; name the element whose loss it is",
+            elements=[label],
+        )
+    if power is not None:
+        return power
+    return variables[f"{row['dissipator']}.e"] * variables[f"{row['dissipator']}.f"]
 
 
 def laws_of(element: Any) -> dict[str, sympy.Expr]:
@@ -48,27 +105,56 @@ def laws_of(element: Any) -> dict[str, sympy.Expr]:
         return {"flow": element.flow}
     if isinstance(element, TF | GY):
         return {"ratio": element.ratio}
-    if isinstance(element, Friction):
+    if isinstance(element, Heat):
+        return {"power": element.power}
+    if isinstance(element, DryFriction):
         return _friction_laws(element)
-    forms: Iterable[dict[str, Any]] = ()
-    if isinstance(element, R):
-        forms = _resistor_forms(element)
-    elif isinstance(element, C | I):
-        forms = _storage_forms(element)
-    forms = [{key: law for key, law in form.items() if law is not None} for form in forms]
+    if isinstance(element, OneWay | Switch | EndStop):
+        return _switch_laws(element)
+    if isinstance(element, SignalBlock):
+        return _block_laws(element)
+    if isinstance(element, Junction | De | Df):
+        return {}
+    assert isinstance(element, R | C | I)
+    given = _resistor_forms(element) if isinstance(element, R) else _storage_forms(element)
+    forms = [{key: law for key, law in form.items() if law is not None} for form in given]
     forms = [form for form in forms if form]
     chosen = next((form for form in forms if _builds(element, form)), forms[-1] if forms else {})
+    return chosen | _initial(element)
+
+
+def _initial(element: Any) -> dict[str, sympy.Expr]:
     initial = getattr(element, "initial", sympy.S.Zero)
-    return chosen | ({"initial": initial} if initial != 0 else {})
+    return {} if initial == 0 else {"initial": initial}
 
 
-def _friction_laws(element: Friction) -> dict[str, sympy.Expr]:
-    laws = {"kinetic": element.kinetic}
+def _friction_laws(element: DryFriction) -> dict[str, sympy.Expr]:
+    magnitude, most = (
+        ("capacity", "static") if isinstance(element, Clutch) else ("kinetic", "breakaway")
+    )
+    laws = {magnitude: element.kinetic}
     if element.breakaway != element.kinetic.xreplace({element.speed: sympy.S.Zero}):
-        laws["breakaway"] = element.breakaway
+        laws[most] = element.breakaway
     if element.smoothing is not None:
         laws["smoothing"] = element.smoothing
     return laws
+
+
+def _switch_laws(element: OneWay | Switch | EndStop) -> dict[str, sympy.Expr]:
+    """Return the laws; what may be left out is left out where it is zero."""
+    kind = KINDS[type(element).__name__]
+    laws = {key: getattr(element, key) for key in kind.laws}
+    return {key: law for key, law in laws.items() if key in kind.required or law != 0}
+
+
+def _block_laws(element: SignalBlock) -> dict[str, sympy.Expr]:
+    laws = {"rate": element.rate}
+    if isinstance(element, Integrator):
+        laws = {"signal": element.rate}
+    elif isinstance(element, Lag):
+        signal, constant = lag_law(element)
+        laws = {"signal": signal, "time_constant": constant}
+    return laws | _initial(element)
 
 
 def _resistor_forms(element: R) -> Iterator[dict[str, Any]]:
@@ -103,7 +189,7 @@ def _builds(element: Any, form: dict[str, sympy.Expr]) -> bool:
     """Whether the keywords give an element with the very same laws."""
     arguments = KINDS[type(element).__name__].laws
     laws = {
-        key: _function(law, getattr(element, arguments[key])) if arguments[key] else law
+        key: as_function(law, [getattr(element, arguments[key])]) if arguments[key] else law
         for key, law in form.items()
     }
     try:
@@ -117,12 +203,3 @@ def _builds(element: Any, form: dict[str, sympy.Expr]) -> bool:
         for item in fields(element)
         if item.name not in (*VARIABLES, "name", "initial")
     )
-
-
-def _function(law: sympy.Expr, argument: Any) -> Callable[[Any], Any]:
-    return lambda given: law.xreplace({argument: given})
-
-
-def local(label: str) -> str:
-    """Return an element's own name, without its submodels."""
-    return label.rpartition(".")[2]

@@ -34,6 +34,13 @@ def as_text(value: Any, where: str) -> str:
     return value
 
 
+def as_flag(value: Any, where: str) -> bool:
+    """Return an entry that must be true or false."""
+    if not isinstance(value, bool):
+        raise ModelError(f"{where} is {shown(value)}; write true or false")
+    return value
+
+
 def check_table(value: Any, where: str) -> None:
     """Raise unless the entry is a table."""
     if not isinstance(value, dict):

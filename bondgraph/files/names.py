@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import ChainMap
 from collections.abc import Iterable, Mapping
+from types import MappingProxyType
 from typing import Any
 
 import sympy
@@ -47,28 +48,32 @@ class Names:
             if self.meanings.setdefault(name, symbol) != symbol:
                 self.meanings[name] = _two_meanings(name)
 
-    def within(self, argument: str, symbol: Any) -> Mapping[str, Any]:
-        """Add the bare letter of a law's argument."""
-        if not argument:
-            return self.meanings
-        meaning = symbol if argument not in self.meanings else _two_meanings(argument)
-        return ChainMap({argument: meaning}, self.meanings)
+    def within(self, bare: Mapping[str, Any]) -> Mapping[str, Any]:
+        """Add the bare names of a law's own arguments."""
+        own = {
+            name: _two_meanings(name) if name in self.meanings or name == "pi" else symbol
+            for name, symbol in bare.items()
+        }
+        return ChainMap(own, self.meanings)
 
-    def write(self, value: Any, argument: str = "", symbol: Any = None) -> Any:
+    def write(self, value: Any, bare: Mapping[str, Any] = MappingProxyType({})) -> Any:
         """Return a law as it stands in the file: a number, or text."""
         expression = exact(value)
         if (number := _number(expression)) is not None:
             return number
-        meanings = self.within(argument, symbol)
-        used = {argument: symbol} if symbol in expression.free_symbols else {}
-        used = {key: value for key, value in used.items() if meanings[key] == symbol}
+        meanings, free = self.within(bare), expression.free_symbols
+        used = {
+            name: symbol
+            for name, symbol in bare.items()
+            if symbol in free and meanings[name] == symbol
+        }
         for wanted in expression.free_symbols:
             for name in self._spellings.get(wanted, ()):
                 if meanings[name] == wanted:
                     used.setdefault(name, wanted)
                     break
-        if "pi" in self.meanings:
-            used.setdefault("pi", self.meanings["pi"])
+        if "pi" in meanings:
+            used.setdefault("pi", meanings["pi"])
         return to_text(expression, used)
 
 

@@ -10,13 +10,13 @@ from typing import Any
 import sympy
 
 from ..bonds import Bond
-from ..elements import Element
-from ..errors import GraphError, LawError, ModelError, ParameterError
+from ..elements import De, Df, Element
+from ..errors import GraphError, ModelError, ParameterError
 from ..expressions import parse
-from ..graph import BondGraph, assemble
+from ..graph import BondGraph, Output, assemble
 from ..parameters import Parameter
 from .assumptions import as_symbol
-from .elements import built, local
+from .elements import built, check_heaters
 from .entries import (
     as_expression,
     as_text,
@@ -28,8 +28,9 @@ from .entries import (
     nearest,
     shown,
 )
-from .kinds import ALIASES, KINDS, Kind
+from .fields import built_field
 from .names import Names
+from .rows import Rows, read_rows
 from .syntax import tables
 
 SCHEMA = 1
@@ -81,18 +82,19 @@ class _Reader:
             )
         for table in TABLES:
             check_table(self.data.get(table, {}), table)
-        rows = self._rows()
+        rows = read_rows(self.data.get("elements"))
+        kinds = rows.kinds
         parameters = self._symbols("parameters", PARAMETER)
         inputs = self._symbols("inputs", ("unit", "assume"))
         variables = {
-            f"{label}.{key}": sympy.Dummy(f"{local(label)}.{key}", **assumed)
-            for label, (kind, _) in rows.items()
+            f"{label}.{key}": sympy.Dummy(f"{own}.{key}", **assumed)
+            for label, (own, kind) in kinds.items()
             for key, assumed in kind.variables.items()
         }
         names = Names(variables, parameters, inputs)
-        elements = {
-            label: built(label, kind, row, names, variables) for label, (kind, row) in rows.items()
-        }
+        elements = _built(rows, names, variables)
+        outputs = self._outputs(names)
+        sensors = _sensors(elements, outputs)
         graph = assemble(
             as_text(self.data.get("name"), "name"),
             *elements.values(),
@@ -100,40 +102,14 @@ class _Reader:
             ports=self._ports(elements),
             parameters=self._parameters(parameters),
             inputs=self._inputs(inputs),
-            outputs=self._outputs(names),
+            outputs={key: value for key, value in outputs.items() if key not in sensors},
         )
-        return replace(graph, elements=MappingProxyType(_localised(graph.elements)))
-
-    def _rows(self) -> dict[str, tuple[Kind, dict[str, Any]]]:
-        given = self.data.get("elements")
-        if not isinstance(given, list) or not given:
-            raise ModelError(
-                "elements is no list; write elements = [{ name = ..., kind = ... }, ...]"
-            )
-        rows: dict[str, tuple[Kind, dict[str, Any]]] = {}
-        for index, row in enumerate(given, 1):
-            if not isinstance(row, dict):
-                raise ModelError(f"elements, entry {index}: expected a table, got {shown(row)}")
-            label = as_text(row.get("name"), f"elements, entry {index}, name")
-            if label in rows:
-                raise GraphError(f"element {label!r} is there twice; rename one", elements=[label])
-            if ">" in label or not all(part.strip() for part in label.split(".")):
-                raise GraphError(f"element {label!r}: a name has no '>' and no empty part; rename")
-            rows[label] = (self._kind(label, row), row)
-        return rows
-
-    def _kind(self, label: str, row: dict[str, Any]) -> Kind:
-        name = row.get("kind")
-        kind = KINDS.get(ALIASES.get(name, name)) if isinstance(name, str) else None
-        if kind is None:
-            raise ModelError(
-                f"element {label!r}: kind {shown(name)} is not known; {nearest(name, KINDS)}"
-            )
-        where = f"element {label!r} ({ALIASES.get(str(name), name)})"
-        check_keys(row, ("name", "kind", *kind.laws), where)
-        if kind.required and kind.required not in row:
-            raise LawError(f"{where} needs the key {kind.required!r}", elements=[label])
-        return kind
+        own = {label: name for label, (name, _) in kinds.items()}
+        return replace(
+            graph,
+            elements=MappingProxyType(_localised(graph.elements, own)),
+            outputs=MappingProxyType(_ordered(graph.outputs, outputs)),
+        )
 
     def _symbols(self, table: str, keys: tuple[str, ...]) -> dict[str, sympy.Symbol]:
         given = self.data.get(table, {})
@@ -213,18 +189,57 @@ class _Reader:
         }
 
 
+def _built(rows: Rows, names: Names, variables: Mapping[str, sympy.Symbol]) -> dict[str, Element]:
+    """Build the elements of all rows, in order."""
+    check_heaters(rows.plain, {label: kind for label, (_, kind) in rows.kinds.items()})
+    made = {
+        label: built(label, kind, row, names, variables)
+        for label, (kind, row) in rows.plain.items()
+    }
+    for field in rows.fields.values():
+        made |= built_field(field, names, variables)
+    return {label: made[label] for label in rows.order}
+
+
+def _sensors(
+    elements: Mapping[str, Element], outputs: Mapping[str, tuple[sympy.Expr, str, str]]
+) -> set[str]:
+    """Return which outputs are a sensor's own, and there without being written."""
+    return {
+        label
+        for label, element in elements.items()
+        if label in outputs
+        and isinstance(element, De | Df)
+        and outputs[label][0] == (element.e if isinstance(element, De) else element.f)
+    }
+
+
+def _ordered(
+    made: Mapping[str, Output], given: Mapping[str, tuple[sympy.Expr, str, str]]
+) -> dict[str, Output]:
+    """Put outputs in the order written; those of sensors that are not written come first."""
+    unwritten = {label: output for label, output in made.items() if label not in given}
+    return unwritten | {
+        label: Output(made[label].expression, unit, meaning)
+        for label, (_, unit, meaning) in given.items()
+    }
+
+
 def _end(name: str, elements: Mapping[str, Element], where: str) -> Element:
     for label in (name, name.strip()):
         if label in elements:
             return elements[label]
+    ports = [label for label in elements if label.rpartition(".")[0] == name.strip()]
+    if ports:
+        raise GraphError(f"{where}: {name.strip()!r} has ports; name one of {', '.join(ports)}")
     raise GraphError(
         f"{where}: there is no element {name.strip()!r}; {nearest(name.strip(), elements)}"
     )
 
 
-def _localised(elements: Mapping[str, Element]) -> dict[str, Element]:
+def _localised(elements: Mapping[str, Element], names: Mapping[str, str]) -> dict[str, Element]:
     """Give elements of submodels their own short names again; the keys are qualified."""
     return {
-        label: element.replaced({}, name=local(label)) if "." in label else element
+        label: element if label == names[label] else element.replaced({}, name=names[label])
         for label, element in elements.items()
     }

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from typing import Any
 
-from ..elements import Element
+from ..elements import De, Df, Heat
 from ..errors import ModelError
-from ..graph import BondGraph
+from ..graph import BondGraph, Output
 from .assumptions import assumptions_of
-from .elements import laws_of
+from .elements import HEATERS, laws_of
 from .entries import at
-from .kinds import KINDS, variables_of
+from .field_laws import field_entry, fields_in
+from .kinds import HEAT, KINDS, PORT, RS, variables_of
 from .names import Names
 from .read import SCHEMA
 from .syntax import toml, toml_key
@@ -63,7 +64,7 @@ class _Writer:
         self.names = Names(variables, self.parameters, inputs)
 
     def text(self) -> str:
-        elements = [self._element(*item) for item in self.graph.elements.items()]
+        elements = self._elements()
         bonds = [f"{bond.tail} > {bond.head}" for bond in self.graph.bonds]
         lines = [f"schema = {SCHEMA}", f"name = {toml(self.graph.name)}", ""]
         lines += ["elements = [", *(f"  {toml(row)}," for row in elements), "]", ""]
@@ -80,19 +81,65 @@ class _Writer:
                 lines += [f"{toml_key(key)} = {toml(value)}" for key, value in table.items()]
         return "\n".join(lines) + "\n"
 
-    def _element(self, label: str, element: Element) -> dict[str, Any]:
-        kind = type(element).__name__
-        if kind not in KINDS:
+    def _elements(self) -> list[dict[str, Any]]:
+        """Return the rows of all elements; a field has one, where its first port stands."""
+        labels = list(self.graph.elements)
+        fields = fields_in(self.graph.elements)
+        field_of = {f"{name}.{port}": name for name, ports in fields.items() for port in ports}
+        rows: list[dict[str, Any]] = []
+        placed: set[str] = set()
+        begun: set[str] = set()
+        for index, label in enumerate(labels):
+            name = field_of.get(label)
+            if name is None:
+                self._add(rows, label)
+            elif name not in begun:
+                begun.add(name)
+                with at(f"field {name!r}"):
+                    rows.append(field_entry(name, fields[name], self.names))
+                placed |= _run(labels[index:], [f"{name}.{port}" for port in fields[name]])
+            elif label not in placed:
+                rows.append({"name": label, "kind": PORT})
+        return rows
+
+    def _add(self, rows: list[dict[str, Any]], label: str) -> None:
+        """Add the row of one element; a resistor and its heat go into one."""
+        element: Any = self.graph.elements[label]
+        heater = self._heater(element)
+        before = (rows[-1]["name"], rows[-1]["kind"]) if rows else ()
+        if before == (heater, "R") and label == f"{heater}{HEAT}":
+            rows[-1] |= {"kind": RS} | ({"pseudo": True} if element.pseudo else {})
+            return
+        rows.append(self._element(label, element, heater))
+
+    def _heater(self, element: Any) -> str:
+        """Return the dissipator whose whole loss a heat is; empty where there is none."""
+        if not isinstance(element, Heat):
+            return ""
+        return next(
+            (
+                label
+                for label, other in self.graph.of(HEATERS)
+                if element.power == other.e * other.f
+            ),
+            "",
+        )
+
+    def _element(self, label: str, element: Any, heater: str) -> dict[str, Any]:
+        name = type(element).__name__
+        if name not in KINDS:
             raise ModelError(
-                f"element {label!r}: a {kind} has no form in a model file; keep this model in Python"
+                f"element {label!r}: a {name} has no form in a model file; keep this model in Python"
             )
-        row = {"name": label, "kind": kind}
+        kind, row = KINDS[name], {"name": label, "kind": name}
+        if heater:
+            row["dissipator"] = heater
         with at(f"element {label!r}"):
-            for key, law in laws_of(element).items():
-                argument = KINDS[kind].laws[key]
-                symbol = getattr(element, argument) if argument else None
-                row[key] = self.names.write(law, argument, symbol)
-        return row
+            for key, law in ({} if heater else laws_of(element)).items():
+                argument = kind.laws[key]
+                bare = {argument: getattr(element, argument)} if argument else {}
+                row[key] = self.names.write(law, bare)
+        return row | {key: True for key in kind.flags if getattr(element, key)}
 
     def _parameters(self) -> dict[str, Any]:
         names = Names({}, self.parameters)
@@ -117,8 +164,28 @@ class _Writer:
 
     def _outputs(self) -> dict[str, Any]:
         table = {}
-        for name, output in self.graph.outputs.items():
+        for name, output in self._given_outputs().items():
             with at(f"output {name!r}"):
                 entry = {"expression": self.names.write(output.expression), "unit": output.unit}
             table[name] = entry | ({"meaning": output.meaning} if output.meaning else {})
         return table
+
+    def _given_outputs(self) -> dict[str, Output]:
+        """Leave out sensors' outputs, which come by themselves, where nothing is said of them."""
+        outputs = dict(self.graph.outputs)
+        sensors = [label for label, _ in self.graph.of((De, Df)) if label in outputs]
+        plain = all(not (outputs[label].unit or outputs[label].meaning) for label in sensors)
+        if plain and list(outputs)[: len(sensors)] == sensors:
+            return {key: output for key, output in outputs.items() if key not in sensors}
+        return outputs
+
+
+def _run(labels: list[str], ports: list[str]) -> set[str]:
+    """Return the ports that follow each other at the head of a list, as in their field."""
+    places = {label: index for index, label in enumerate(ports)}
+    found: list[str] = []
+    for label in labels:
+        if label not in places or (found and places[label] < places[found[-1]]):
+            break
+        found.append(label)
+    return set(found)
