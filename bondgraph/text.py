@@ -17,10 +17,9 @@ from .causality_report import report_causality
 from .causality_report.as_json import findings
 from .codegen.program import Program
 from .codegen.to_latex import align, latex, latex_name, latex_names
-from .dimensions import Dimensions, infer, si_unit
+from .dimensions import infer, si_unit
 from .equations import Equations
 from .errors import ParameterError
-from .graph import BondGraph
 
 # Above these a model's rates are not expanded: states, and operations in all rates together.
 EXPANDED_STATES = 40
@@ -137,7 +136,7 @@ def to_text(equations: Equations) -> str:
     State equations, expanded
       der(c.q) = 1/2 - c.q/6
     """
-    units = dimensions_of(equations.graph).units
+    units = infer(equations.graph).units
     count = len(equations.states)
     title = f"{equations.name}: {count} state{'s' * (count != 1)}"
     algebraic = len(equations.algebraic)
@@ -183,14 +182,6 @@ def to_text(equations: Equations) -> str:
     ]
     blocks = [_section(heading, lines) for heading, lines in sections if lines]
     return "\n\n".join([title, *blocks])
-
-
-def dimensions_of(graph: BondGraph) -> Dimensions:
-    """Infer units; none where a kind of element has laws that cannot be read for units yet."""
-    try:
-        return infer(graph)
-    except AssertionError:
-        return Dimensions({}, {})
 
 
 def _section(heading: str, lines: Iterable[str]) -> str:

@@ -371,12 +371,6 @@ def test_ports_may_have_any_name(name):
     assert_same(graph, reloaded(graph))
 
 
-def test_a_port_without_its_field_is_named():
-    field = CField("x", ("one", "two"), stiffness=[[1, 0], [0, 1]])
-    with pytest.raises(ModelError, match=r"field 'x' has bonds at two only.*bond every port"):
-        dumps(around(lambda v: v >> field["two"]))
-
-
 def test_arrows_that_were_turned_round_survive():
     graph = around(lambda v: R("r", 1) >> v, lambda v: C("c", 2) >> v)
     assert_same(graph, reloaded(graph))

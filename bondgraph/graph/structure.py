@@ -5,8 +5,20 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 
 import networkx
+import sympy
 
-from ..elements import De, Df, Element, Junction, One, OnePort, SignalBlock, TwoPort, Zero
+from ..elements import (
+    De,
+    Df,
+    Element,
+    Junction,
+    One,
+    OnePort,
+    SignalBlock,
+    Storage,
+    TwoPort,
+    Zero,
+)
 from ..errors import GraphError
 from .value import GraphBond, signals_of
 
@@ -53,6 +65,32 @@ def check_structure(
         _check_sensor(name, bond, elements[bond.tail], elements[bond.head])
     for label, element in elements.items():
         _check_count(name, label, element, count[label], label in open_junctions)
+    _check_fields(name, elements)
+
+
+def _check_fields(graph: str, elements: Mapping[str, Element]) -> None:
+    """Refuse storage fields with ports left out, whose shared energy would be none, and of one name."""
+    fields: dict[str, dict[sympy.Basic, str]] = {}
+    partners: dict[str, set[sympy.Basic]] = {}
+    for label, element in elements.items():
+        if isinstance(element, Storage) and element.partners:
+            name = label.rpartition(".")[0]
+            fields.setdefault(name, {})[element.state] = label
+            partners.setdefault(name, set()).update(element.partners)
+    for name, states in fields.items():
+        absent = partners[name] - states.keys()
+        if absent:
+            raise GraphError(
+                f"graph {graph!r}: field {name!r} has a port that is not bonded "
+                f"({', '.join(sorted(str(state).lstrip('_').rpartition('.')[0] for state in absent))}), or another "
+                f"field has its name; bond every port, and give fields names of their own",
+                elements=list(states.values()),
+            )
+        if any(len(elements[label].partners) + 1 != len(states) for label in states.values()):  # type: ignore[attr-defined]
+            raise GraphError(
+                f"graph {graph!r} has two fields named {name!r}; give one another name",
+                elements=list(states.values()),
+            )
 
 
 def _check_count(graph: str, label: str, element: Element, bonds: list[str], is_open: bool) -> None:

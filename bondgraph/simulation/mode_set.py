@@ -245,7 +245,7 @@ def _powers(mode: ModeEquations) -> list[sympy.Expr]:
 
 
 def _widened(
-    function: Callable[..., tuple[Array, Array]], places: list[int], size: int
+    function: Callable[..., tuple[Array, ...]], places: list[int], size: int
 ) -> Callable[..., tuple[Array, Array]]:
     """Give Jacobians by some of the rates a column for each value that is imposed."""
 

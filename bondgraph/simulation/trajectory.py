@@ -174,7 +174,7 @@ class Trajectory:
         """
         equations = self.model.equations
         if name in equations.graph.outputs:
-            return equations.graph.outputs[name].unit
+            return equations.graph.outputs[name].unit or self.model.units.get(name) or ""
         for symbol, unit in equations.graph.inputs.items():
             if symbol.name == name:
                 return unit

@@ -84,8 +84,22 @@ class TestCField:
 
     def test_ports_must_be_bonded(self):
         beam = CField("beam", ("tip", "middle"), stiffness=K)
-        with pytest.raises(GraphError, match=r"beam\.middle\.q.*not in the graph"):
+        with pytest.raises(GraphError, match=r"field 'beam'.*not bonded \(beam\.middle\)"):
             assemble("g", Zero("z") >> (beam["tip"], I("m", 1)))
+        apart = CField("apart", ("a", "b"), stiffness=[[1, 0], [0, 2]])
+        with pytest.raises(GraphError, match=r"field 'apart'.*not bonded \(apart\.a\)"):
+            assemble("g", Zero("z") >> (apart["b"], I("m", 1)))
+
+    def test_two_fields_of_one_name(self):
+        first = CField("f", ("a", "b"), stiffness=K)
+        second = CField("f", ("c", "d"), stiffness=K)
+        ends = [One(f"v{i}") for i in range(4)]
+        ports = [*first.ports.values(), *second.ports.values()]
+        with pytest.raises(GraphError, match=r"two fields named 'f'|another field has its name"):
+            assemble(
+                "g",
+                [v >> (I(f"m{i}", 1), p) for i, (v, p) in enumerate(zip(ends, ports, strict=True))],
+            )
 
     def test_copies_are_fields_of_their_own(self):
         graph = self.graph(stiffness=K)
