@@ -11,6 +11,11 @@ from ..blocks import AlgebraicLoop, expansion
 from ..causality import CausalGraph
 from ..errors import BondGraphError
 from ..graph import TIME, BondGraph
+from .fractions import fractions
+
+# A rate of more operations is not simplified for display, only brought to lowest terms; angles are
+# slow to simplify.
+MOST_OPERATIONS, MOST_WITH_ANGLES = 150, 50
 
 
 @dataclass(frozen=True)
@@ -181,10 +186,19 @@ class Equations:
         -------
         dict of Symbol to Expr
         """
+        rates = [self.substituted(rate) for rate in self.derivatives]
+        if not all(map(_is_simplified, rates)):
+            rates = fractions(self.assignments, self.derivatives) or rates
         return {
-            state: sympy.simplify(self.substituted(rate))
-            for state, rate in zip(self.states, self.derivatives, strict=True)
+            state: sympy.simplify(rate) if _is_simplified(rate) else rate
+            for state, rate in zip(self.states, rates, strict=True)
         }
+
+
+def _is_simplified(rate: sympy.Expr) -> bool:
+    """Whether a rate is short enough to be simplified for display."""
+    angles = rate.has(sympy.sin, sympy.cos)
+    return bool(sympy.count_ops(rate) <= (MOST_WITH_ANGLES if angles else MOST_OPERATIONS))
 
 
 def assert_closed(equations: Equations) -> None:
