@@ -7,13 +7,13 @@ from collections.abc import Callable
 
 import numpy
 
-from ...elements import EndStop
+from ...elements import DryFriction, EndStop
 from ...errors import BondGraphError, SimulationError
 from ..mode_set import ModeSet
 from ..outcome import Outcome
 from ..problem import Options, Problem
 from ..stepper import EPSILON, TINY, E, Model, Stepper, _End, _weighted
-from .search import Found, ModeSearch, Point, mask_of, other_codes
+from .search import Found, ModeSearch, Point, mask_of
 
 log = logging.getLogger(__name__)
 
@@ -64,11 +64,8 @@ class SwitchedStepper(Stepper):
 
     def _after(self, j: int) -> int:
         """The code that a switch changes to when its margin is used up."""
-        element, code = self.switched.elements[j], int(self.code[j])
-        others = other_codes(element, code)
-        if len(others) == 1:
-            return others[0]
-        return int(numpy.sign(self.sample[0, self.k + j])) or 1 if code == 0 else 0
+        value = float(self.sample[0, self.k + j])
+        return self.switched.elements[j].next_code(int(self.code[j]), value, value)
 
     def _first(self) -> Array:
         """Codes to begin a search with, in the first mode that can be."""
@@ -80,7 +77,7 @@ class SwitchedStepper(Stepper):
             )
         margins, values, noise = self.search_modes.guards(found, self._point(), self.x[: self.n])
         for j, element in enumerate(self.switched.elements):
-            if len(element.modes) == 3:
+            if isinstance(element, DryFriction):
                 slips = found[j] != 0 and abs(values[j]) > noise[j]
                 found[j] = (1 if values[j] > 0 else -1) if slips else 0
             elif (
