@@ -58,17 +58,21 @@ class Program:
         for symbol, expression in self.assignments:
             if symbol in known:
                 raise ProgramError(f"program {self.name!r}: {symbol} is assigned twice")
-            self._check(expression, known, f"assignment of {symbol}")
+            self._check(expression, known, "assignment of", symbol)
             known.add(symbol)
         for label, expressions in self.results:
             for expression in expressions:
-                self._check(expression, known, f"result {label!r}")
+                self._check(expression, known, "result", repr(label))
 
-    def _check(self, expression: sympy.Expr, known: set[sympy.Basic], where: str) -> None:
+    def _check(
+        self, expression: sympy.Expr, known: set[sympy.Basic], what: str, name: object
+    ) -> None:
         missing = expression.free_symbols - known
         if missing:
             names = ", ".join(sorted(map(str, missing)))
-            raise ProgramError(f"program {self.name!r}, {where}: {names} not known at this point")
+            raise ProgramError(
+                f"program {self.name!r}, {what} {name}: {names} not known at this point"
+            )
 
     @property
     def operations(self) -> int:

@@ -9,11 +9,12 @@ import numpy
 import sympy
 
 from ..causality import CausalGraph
+from ..dimensions import infer
 from ..equations import Equations, derive
 from ..graph import BondGraph
 from ..plot import pretty
 from ..stability import Locus, StabilityResult
-from ..text import dimensions_of, to_text
+from ..text import to_text
 from ..units import from_si
 from .blocks import Bullets, Figure, Markup, Section, Table, Text
 from .drawing import drawing
@@ -92,7 +93,7 @@ def _plain(expression: sympy.Expr) -> str:
 def point_section(result: StabilityResult) -> Section:
     """List states, outputs, inputs and modes at the operating point."""
     point, graph = result.point, result.graph
-    units = dimensions_of(graph).units
+    units = infer(graph).units
     noise = _noise(result)
     meanings = {name: output.meaning for name, output in graph.outputs.items()}
     units = {**units, **{name: output.unit or "1" for name, output in graph.outputs.items()}}
@@ -160,7 +161,7 @@ def assumption_section(result: StabilityResult) -> Section:
     said = [
         *result.warnings,
         *result.graph.notes,
-        *(f"units: {text}" for text in dimensions_of(result.graph).problems),
+        *(f"units: {text}" for text in infer(result.graph).problems),
         "the eigenvalues are those of the linearised equations: they tell of small motions about "
         "the operating point",
     ]

@@ -9,8 +9,11 @@ Peers live in virtual environments of their own under build/bench, made on first
 
 from __future__ import annotations
 
+import functools
 import json
 import math
+import resource
+import signal
 import statistics
 import subprocess
 import sys
@@ -22,8 +25,8 @@ ROOT = Path(__file__).parents[2]
 SIZES = (10, 100, 1000, 10000)
 KINDS = ("rc", "rlc")
 ROUNDS = 3
-TIME_LIMIT = 60.0
-"""Wall seconds that a case of a peer may take, with its imports."""
+TIME_LIMIT = 60
+"""CPU seconds that a case may take, with its imports."""
 EXPONENT_LIMIT = 1.15
 """Greatest growth exponent from 1000 to 10000 storages that the framework allows itself."""
 SECONDS_LIMIT = 6.0
@@ -121,7 +124,7 @@ def _against(
     try:
         seconds = measured(command, kind, storages, 1)
     except OverLimit:
-        return Row(kind, storages, peer.name, note=f"over {TIME_LIMIT:g} s")
+        return Row(kind, storages, peer.name, note=f"over {TIME_LIMIT} s")
     except Unavailable as reason:
         return Row(kind, storages, peer.name, note=f"failed: {reason}")
     return Row(kind, storages, peer.name, seconds, seconds / mine)
@@ -137,28 +140,25 @@ def measured(command: Sequence[str], kind: str, storages: int, rounds: int) -> f
     OverLimit
         if it takes too long
     """
-    answers = [json.loads(_run([*command, kind, str(storages)])) for _ in range(rounds)]
+    case = [*command, kind, str(storages)]
+    answers = [json.loads(_run(case, TIME_LIMIT)) for _ in range(rounds)]
     if any(answer["states"] != storages for answer in answers):
         raise Unavailable(f"{answers[0]['states']} states of {storages}")
     return statistics.median(float(answer["seconds"]) for answer in answers)
 
 
-def _run(command: list[str]) -> str:
-    """Run a command to its end; return the last line it prints."""
-    installs = "install" in command
+def _run(command: list[str], limit: int | None = None) -> str:
+    """Run a command for so many CPU seconds at most; return the last line it prints."""
+    bounds = None if limit is None else (limit, limit + 1)
+    bound = bounds and functools.partial(resource.setrlimit, resource.RLIMIT_CPU, bounds)
     try:
         done = subprocess.run(
-            command,
-            capture_output=True,
-            text=True,
-            check=False,
-            cwd=ROOT,
-            timeout=None if installs else TIME_LIMIT,
+            command, capture_output=True, text=True, check=False, cwd=ROOT, preexec_fn=bound
         )
-    except subprocess.TimeoutExpired:
-        raise OverLimit(f"{TIME_LIMIT:g} s") from None
     except OSError as reason:
         raise Unavailable(str(reason)) from None
+    if done.returncode in (-signal.SIGXCPU, -signal.SIGKILL):
+        raise OverLimit(f"{limit} s")
     if done.returncode:
         told = done.stderr.strip().splitlines() or [f"exit status {done.returncode}"]
         raise Unavailable(told[-1])

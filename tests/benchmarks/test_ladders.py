@@ -53,6 +53,12 @@ def test_a_ladder_is_measured_in_its_own_process():
         growth.measured(command, "no_such_ladder", 10, 1)
 
 
+def test_what_takes_too_long_is_over_the_limit(monkeypatch):
+    monkeypatch.setattr(growth, "TIME_LIMIT", 1)
+    with pytest.raises(growth.OverLimit):
+        growth.measured([sys.executable, "-c", "while True: pass"], "rc", 10, 1)
+
+
 def test_a_peer_that_cannot_be_installed_is_named_and_left_out(monkeypatch, tmp_path):
     monkeypatch.setattr(growth, "ROOT", tmp_path)
     monkeypatch.setattr(growth, "KINDS", ())
