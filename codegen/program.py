@@ -7,6 +7,8 @@ from dataclasses import dataclass
 
 import sympy
 
+from .symbols import symbols_in
+
 
 class ProgramError(ValueError):
     """The assignments do not make a program: a symbol is used before it is known."""
@@ -67,7 +69,7 @@ class Program:
     def _check(
         self, expression: sympy.Expr, known: set[sympy.Basic], what: str, name: object
     ) -> None:
-        missing = expression.free_symbols - known
+        missing = symbols_in(expression) - known
         if missing:
             names = ", ".join(sorted(map(str, missing)))
             raise ProgramError(
@@ -116,12 +118,12 @@ class Program:
         needed: set[sympy.Basic] = set()
         for expressions in wanted.values():
             for expression in expressions:
-                needed |= expression.free_symbols
+                needed |= symbols_in(expression)
         kept = []
         for symbol, expression in reversed(list(assignments)):
             if symbol in needed:
                 kept.append((symbol, expression))
-                needed |= expression.free_symbols
+                needed |= symbols_in(expression)
         return cls(
             name,
             tuple((label, tuple(symbols)) for label, symbols in arguments),

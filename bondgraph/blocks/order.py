@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import sympy
 
+from ..codegen.symbols import symbols_in
 from ..errors import AlgebraicLoopError
 from ..terms import slopes
 from .components import components
@@ -100,7 +101,7 @@ def order_and_solve(
     needs = [
         sorted(
             number[symbol]
-            for symbol in (explicit.get(variable, implicit.get(variable))).free_symbols
+            for symbol in symbols_in(explicit.get(variable, implicit.get(variable)))
             if symbol in number
         )
         for variable in variables

@@ -9,6 +9,7 @@ import sympy
 
 from ..blocks import AlgebraicLoop, expansion
 from ..causality import CausalGraph
+from ..codegen.symbols import symbols_in
 from ..errors import BondGraphError
 from ..graph import TIME, BondGraph
 from .fractions import fractions
@@ -205,7 +206,7 @@ def assert_closed(equations: Equations) -> None:
     """Check that no bond variable is left over and that equations match unknowns."""
     known = set(equations.arguments)
     for symbol, expression in equations.assignments:
-        leftover = expression.free_symbols - known
+        leftover = symbols_in(expression) - known
         if leftover:
             raise BondGraphError(
                 f"internal error: {symbol} uses {leftover} before it is known; please report the graph"
@@ -220,7 +221,7 @@ def assert_closed(equations: Equations) -> None:
     ]
     expressions += [contact.breakaway for contact in equations.contacts]
     for expression in expressions:
-        leftover = expression.free_symbols - known
+        leftover = symbols_in(expression) - known
         if leftover:
             raise BondGraphError(
                 f"internal error: {leftover} is left over in {expression}; please report the graph"

@@ -7,6 +7,7 @@ from typing import Any
 
 import sympy
 
+from ..codegen.symbols import symbols_in
 from ..elements import Element
 from ..errors import GraphError, LawError, ParameterError
 from ..laws import exact
@@ -89,7 +90,7 @@ class Symbols:
 
     def _foreign(self, expression: sympy.Expr, user: str) -> list[sympy.Symbol]:
         found = []
-        for symbol in sorted(expression.free_symbols - self.own, key=lambda item: item.name):
+        for symbol in sorted(symbols_in(expression) - self.own, key=lambda item: item.name):
             if isinstance(symbol, sympy.Dummy):
                 raise GraphError(
                     f"graph {self.graph!r}: {user} uses {symbol.name}, but that element is not in the graph; add it",
