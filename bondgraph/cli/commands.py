@@ -125,6 +125,12 @@ def equations(model: str, form: str, settings: tuple[str, ...], as_json: bool) -
     help="Compiled C or not.",
 )
 @click.option(
+    "--solver",
+    type=click.Choice(["auto", "dopri5", "cvodes", "idas", "rosenbrock"]),
+    default="auto",
+    help="Integrator; stiff models: cvodes.",
+)
+@click.option(
     "--out",
     type=click.Path(dir_okay=False, path_type=Path),
     help="Write signals to FILE.csv or FILE.nc.",
@@ -146,6 +152,7 @@ def simulate(
     points: int | None,
     smooth: str | None,
     backend: Literal["auto", "native", "vm"],
+    solver: Literal["auto", "dopri5", "cvodes", "idas", "rosenbrock"],
     out: Path | None,
     plot: Path | None,
     as_json: bool,
@@ -176,6 +183,7 @@ def simulate(
         t_eval=grid,
         rtol=tolerance,
         backend=backend,
+        solver=solver,
     )
     if out is not None:
         trajectory.save(out)

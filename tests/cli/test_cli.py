@@ -167,6 +167,8 @@ BAD = [
     (["stability", "bicycle_brake", "--mode", "friction=fly"], "no mode"),
     (["stability", "missing.py:graph"], "no such file"),
     (["stability", "missing.toml"], "missing.toml"),
+    (["simulate", "mass_on_belt", "--until", "1", "--solver", "cvodes"], "locates no events"),
+    (["simulate", "quarter_car", "--until", "1", "--solver", "euler"], "cvodes"),
     (["show"], "MODEL"),
     (["shwo", "bicycle_brake"], "shwo"),
 ]

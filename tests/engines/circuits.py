@@ -88,6 +88,25 @@ def half_wave() -> Circuit:
     )
 
 
+def half_wave_bare() -> Circuit:
+    """The same without the snubber: the diode's effort stays algebraic."""
+    loop, out = One("loop"), Zero("out")
+    return Circuit(
+        graph=assemble(
+            "half_wave_bare",
+            Se("s", 10 * sympy.sin(100 * sympy.pi * TIME)) >> loop >> (R("rs", 10), diode("d"), out),
+            out >> (C("smoothing", 100e-6), R("load", 1000)),
+        ),
+        netlist=(
+            f"V1 in 0 SIN(0 10 50)\nRS in a 10\nD1 a out DD\n"
+            f"CL out 0 100u IC=0\nRL out 0 1k\n{DIODE}"
+        ),
+        same={"v(out)": "out.e"},
+        until=0.04,
+        step=4e-6,
+    )
+
+
 def bridge() -> Circuit:
     """Four diodes in a bridge, fed through 10 ohm; each terminal has a capacitance to ground."""
     mains, a, b, out = One("mains"), Zero("a"), Zero("b"), Zero("out")
@@ -116,4 +135,7 @@ def bridge() -> Circuit:
     )
 
 
-CIRCUITS = {make.__name__: make for make in (series_rlc, parallel_rlc, half_wave, bridge)}
+CIRCUITS = {
+    make.__name__: make
+    for make in (series_rlc, parallel_rlc, half_wave, half_wave_bare, bridge)
+}
