@@ -1,8 +1,7 @@
 """Rates: time derivatives of variables, by the chain rule along their assignments.
 
-Dependent storages and stuck contacts need the rate of a variable that follows
-from states. Its rate is built as further variables, ``der(x)``, that share
-intermediate results like all others.
+Dependent storages need the rate of a variable that follows from states. It is built as
+further variables, ``der(x)``, that share intermediate results like all others.
 """
 
 from __future__ import annotations

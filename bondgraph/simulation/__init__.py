@@ -1,12 +1,13 @@
 """Simulation: event-driven integration of hybrid models.
 
-`simulate` is the whole face (`run`). `compiled` holds a model's numeric functions
-by mode, `inputs` what varies from outside, `trajectory` the result.
+`simulate` is the whole face (`run`), and `solvers` chooses. `compiled` holds a model's
+numeric functions, `mode_set` those of its modes, `implicit` what of them is solved for in
+each call; `inputs` is what varies from outside, `trajectory` the result.
 
-Below them is the integrator, which knows numbers only: `hybrid` integrates a
-`problem` on the modes of a `table`; compiled C (`driver.c`, `kernel.c`, built by
-`compiler`, run by `native`) where a compiler is found, else its Python twin
-`stepper`.
+Three ways to run. `hybrid` integrates a `problem` with frictions on the modes of a `table`:
+compiled C (`driver.c`, `kernel.c`, built by `compiler`, run by `native`) where a compiler is
+found, else its Python twin `stepper`. ``switched/`` searches the modes of all other switching
+elements, on the same stepper. ``smooth/`` is for stiff models and DAEs, by CasADi's integrators.
 """
 
 from .compiled import CompiledModel

@@ -23,8 +23,8 @@ from ..errors import BondGraphError
 from ..graph import TIME, BondGraph
 from ..modes import contacts, mode_equations
 from ..parameters import Resolver
-from .dae import SmoothFunctions, smooth_functions
 from .mode_set import ModeSet
+from .smooth import SmoothFunctions, smooth_functions
 from .table import ModeFunctions, ModeTable
 
 Array = numpy.ndarray

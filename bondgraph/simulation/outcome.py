@@ -48,8 +48,9 @@ _ADVICE = {
         "more stick and slip events than allowed; raise max_events if that many are expected"
     ),
     Outcome.CHATTERING: (
-        "the friction modes switch without time going on; check that kinetic friction at zero slip "
-        "does not exceed the breakaway force, and that no two frictions hold the same motion"
+        "modes switch without time going on; check that kinetic friction at zero slip does not exceed "
+        "the breakaway force, that no two frictions hold the same motion, and that a switch which "
+        "changes its own command has a hysteresis or a lag"
     ),
     Outcome.ZENO: (
         "impacts follow each other ever faster and pile up before the run's end; give the end stop "

@@ -14,11 +14,16 @@ from ..errors import SimulationError
 from ..graph import BondGraph
 from ..values import algebraic_guess, initial_values, parameter_values
 from .compiled import CompiledModel
-from .dae import initial_algebraic
 from .hybrid import integrate
 from .inputs import at, gather
 from .problem import Options, Problem, Solution
-from .smooth_run import SmoothProblem, SmoothSolution, integrate_smooth, tabled
+from .smooth import (
+    SmoothProblem,
+    SmoothSolution,
+    initial_algebraic,
+    integrate_smooth,
+    tabled,
+)
 from .solvers import choose
 from .switched import integrate_switched
 from .trajectory import Energy, Event, Trajectory

@@ -94,7 +94,9 @@ def half_wave_bare() -> Circuit:
     return Circuit(
         graph=assemble(
             "half_wave_bare",
-            Se("s", 10 * sympy.sin(100 * sympy.pi * TIME)) >> loop >> (R("rs", 10), diode("d"), out),
+            Se("s", 10 * sympy.sin(100 * sympy.pi * TIME))
+            >> loop
+            >> (R("rs", 10), diode("d"), out),
             out >> (C("smoothing", 100e-6), R("load", 1000)),
         ),
         netlist=(
@@ -136,6 +138,5 @@ def bridge() -> Circuit:
 
 
 CIRCUITS = {
-    make.__name__: make
-    for make in (series_rlc, parallel_rlc, half_wave, half_wave_bare, bridge)
+    make.__name__: make for make in (series_rlc, parallel_rlc, half_wave, half_wave_bare, bridge)
 }

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 
 import numpy
 
-from .inputs import at
-from .problem import InputTable
+from ..inputs import at
+from ..problem import InputTable
 
 Array = numpy.ndarray
 # Rows of a run without output times: equal intervals over its span, and intervals that double from

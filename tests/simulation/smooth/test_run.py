@@ -9,14 +9,18 @@ import pytest
 import sympy
 
 from bondgraph import TIME, C, I, One, R, Se, Zero, assemble, derive
-from bondgraph.simulation.dae import SmoothFunctions, smooth_functions
 from bondgraph.simulation.inputs import at
 from bondgraph.simulation.outcome import Outcome
-from bondgraph.simulation.pieces import own_grid, pieces
 from bondgraph.simulation.problem import InputTable, Options
-from bondgraph.simulation.quiet import quiet
-from bondgraph.simulation.scales import typical
-from bondgraph.simulation.smooth_run import SmoothProblem, integrate_smooth
+from bondgraph.simulation.smooth import (
+    SmoothFunctions,
+    SmoothProblem,
+    integrate_smooth,
+    smooth_functions,
+)
+from bondgraph.simulation.smooth.pieces import own_grid, pieces
+from bondgraph.simulation.smooth.quiet import quiet
+from bondgraph.simulation.smooth.scales import typical
 
 NONE = np.zeros(0)
 

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import numpy
 
-from .dae import SmoothFunctions
+from .functions import SmoothFunctions
 
 Array = numpy.ndarray
 DECADES = 12

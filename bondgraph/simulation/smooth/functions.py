@@ -14,12 +14,12 @@ import casadi
 import numpy
 import sympy
 
-from ..codegen.program import Program
-from ..codegen.to_casadi import to_casadi
-from ..consistent import consistent, newton
-from ..equations import Equations
-from ..errors import SimulationError
-from ..graph import TIME
+from ...codegen.program import Program
+from ...codegen.to_casadi import to_casadi
+from ...consistent import consistent, newton
+from ...equations import Equations
+from ...errors import SimulationError
+from ...graph import TIME
 
 Array = numpy.ndarray
 

@@ -12,12 +12,12 @@ from collections.abc import Sequence
 
 import numpy
 
-from .dae import SmoothFunctions, solve_algebraic
+from ..outcome import Outcome
+from ..problem import Options
 from .folds import Folds, polished
-from .outcome import Outcome
+from .functions import SmoothFunctions, solve_algebraic
 from .pieces import Piece
 from .plugin import Failed, Plugin, Stretch
-from .problem import Options
 from .scales import Sizes
 
 Array = numpy.ndarray

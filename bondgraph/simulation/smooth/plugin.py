@@ -14,7 +14,7 @@ from typing import Any
 import casadi
 import numpy
 
-from .dae import SmoothFunctions
+from .functions import SmoothFunctions
 from .quiet import quiet
 
 Array = numpy.ndarray
@@ -77,7 +77,7 @@ class Plugin:
     Examples
     --------
     >>> from bondgraph import C, R, Zero, assemble, derive
-    >>> from bondgraph.simulation.dae import smooth_functions
+    >>> from bondgraph.simulation.smooth.functions import smooth_functions
     >>> graph = assemble("rc", Zero("u") >> (C("c", 1), R("r", 1)))
     >>> plugin = Plugin(smooth_functions(derive(graph), ()), "cvodes", 1e-9, 0.0, float("inf"))
     >>> one, none = numpy.ones(1), numpy.zeros(0)

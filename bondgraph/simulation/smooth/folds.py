@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy
 
-from .dae import SmoothFunctions, polish
+from .functions import SmoothFunctions, polish
 
 Array = numpy.ndarray
 ROUNDS = 3

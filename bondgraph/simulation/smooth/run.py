@@ -8,14 +8,14 @@ from dataclasses import dataclass, replace
 
 import numpy
 
-from ..errors import SimulationError
-from .dae import SmoothFunctions, solve_algebraic
-from .inputs import at
+from ...errors import SimulationError
+from ..inputs import at
+from ..outcome import Outcome
+from ..problem import InputTable, Options
+from .functions import SmoothFunctions, solve_algebraic
 from .march import March
-from .outcome import Outcome
 from .pieces import own_grid, pieces
 from .plugin import Plugin
-from .problem import InputTable, Options
 from .scales import Sizes, typical
 
 Array = numpy.ndarray
@@ -42,7 +42,7 @@ class SmoothProblem:
     inputs : InputTable
     solver : {"cvodes", "idas", "rosenbrock"}
     options : Options
-        Output times, unless given, are those of `bondgraph.simulation.pieces.own_grid`.
+        Output times, unless given, are those of `bondgraph.simulation.smooth.pieces.own_grid`.
     """
 
     functions: SmoothFunctions
