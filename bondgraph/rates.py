@@ -11,7 +11,7 @@ from collections.abc import Collection, Mapping, MutableMapping
 
 import sympy
 
-from .errors import LawError
+from .errors import LawError, owners
 from .graph import TIME
 
 MAX_ORDER = 3
@@ -141,7 +141,7 @@ class Rates:
             raise LawError(
                 f"the equations ask for derivatives of ever higher order (at {symbol.name}); "
                 f"a dependent storage hangs on another: add a compliance or resistance between them",
-                elements=[symbol.name],
+                elements=owners([symbol.name]),
             )
         rate = sympy.Symbol(f"{self._word}({symbol.name})", real=True)
         self._known[symbol] = rate

@@ -521,3 +521,12 @@ class TestOutputs:
         )
         assert len(graph.parameters) == 1
         assert set(derive(graph).outputs["y"].free_symbols) & set(graph.parameters)
+
+
+def test_the_slip_speed_of_a_friction_is_no_variable_of_the_graph():
+    """Once an internal error of the derivation."""
+    floor = Friction("floor", kinetic=lambda speed: 1 + speed)
+    v = One("v")
+    with pytest.raises(GraphError, match=r"use its flow floor\.f") as caught:
+        assemble("sled", v >> (I("m", 1), floor), Se("wrong", floor.speed) >> v)
+    assert caught.value.elements == ("floor",)

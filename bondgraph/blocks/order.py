@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import networkx
 import sympy
 
-from ..errors import AlgebraicLoopError
+from ..errors import AlgebraicLoopError, owners
 from .elimination import Affine, Elimination, Names, tidy
 from .tearing import around, in_order, tear
 
@@ -178,7 +178,7 @@ class _Solver:
         raise SingularLoopError(
             f"the algebraic loop through {_few(names)} has no unique solution; "
             f"add a compliance or inertia in it, or remove a redundant element",
-            names,
+            owners(names) or names,
             frozenset().union(*bound),
         )
 
