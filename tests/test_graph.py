@@ -11,6 +11,7 @@ from bondgraph import (
     TF,
     TIME,
     C,
+    Friction,
     I,
     One,
     Output,

@@ -122,7 +122,11 @@ class _Draw:
             law = f"{rng.choice(('effort', 'flow'))} {rng.choice(('cubic', 'tanh', 'rise'))}"
         elif self.curved() and kind in STATE:
             gives = rng.choice(("energy", "effort" if kind == "C" else "flow"))
-            law = f"{gives} cubic" if gives != "energy" else f"energy {rng.choice(('cubic', 'growth', 'swing'))}"
+            law = (
+                f"{gives} cubic"
+                if gives != "energy"
+                else f"energy {rng.choice(('cubic', 'growth', 'swing'))}"
+            )
         return Part(kind, law, (rng.choice(VALUES),))
 
     def join(self, first: str, second: str, chain: int | None = None, turn: bool = True) -> None:

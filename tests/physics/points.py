@@ -134,6 +134,10 @@ class Point:
             ends.append([self.arithmetic.value(sympy.sympify(each), known) for each in expressions])
         return [(after - before) / (2 * STEP) for after, before in zip(*ends, strict=True)]
 
+    def after(self, step: Any) -> Point:
+        """Return the point that one step along the motion leads to."""
+        return Point(self.equations, 0, self._moved(step))
+
     def _moved(self, step: Any) -> dict[sympy.Basic, Any]:
         moved = dict(self.given)
         moved[TIME] += step
@@ -189,7 +193,8 @@ class Point:
                 else:
                     return None
                 x, here = there, left
-        except (ZeroDivisionError, OverflowError, ValueError):
+        # TypeError is what mpmath makes of a column of zeros
+        except (ZeroDivisionError, OverflowError, ValueError, TypeError):
             return None
         return None
 
@@ -210,17 +215,14 @@ def values(
             said = [
                 ports[f"{end}.{letter}"]
                 for end in (tail, head)
-                if plan.kind(end) == shared
-                or plan.kind(end) not in (*JUNCTIONS, "TF", "GY")
+                if plan.kind(end) == shared or plan.kind(end) not in (*JUNCTIONS, "TF", "GY")
             ]
             series.append(point.value(said[0] if said else named[f"{bond.name}.{letter}"]))
     letters = plan.storages
     state = {name: ports[f"{name}.{letter}"] for name, letter in letters.items()}
     moving = [name for name in letters if state[name] not in point.rates]
     rates = dict(zip(moving, point.change(*(state[name] for name in moving)), strict=True))
-    rates |= {
-        name: point.rates[symbol] for name, symbol in state.items() if symbol in point.rates
-    }
+    rates |= {name: point.rates[symbol] for name, symbol in state.items() if symbol in point.rates}
     return Values(
         found["e"],
         found["f"],

@@ -349,5 +349,7 @@ def smallest_pivot(rows: list[list[Any]]) -> Any:
         for row in rows[column + 1 :]:
             if row[column]:
                 factor = row[column] / top[column]
-                row[column:] = [a - factor * b for a, b in zip(row[column:], top[column:], strict=True)]
+                row[column:] = [
+                    a - factor * b for a, b in zip(row[column:], top[column:], strict=True)
+                ]
     return least
