@@ -13,9 +13,10 @@ from bondgraph import Equations
 from ..sketches import PRIME, Derived
 from .formulae import precise
 from .nesting import flat
+from .pencil import Pencil, is_singular
 from .plans import Plan
 from .points import DIGITS, Point, UnsolvedError, left_over, matrix, values
-from .raw import Pencil, Rows, is_singular
+from .raw import Rows
 
 EXACT = mpmath.mpf(10) ** -12
 # Eigenvalues this near are compared by their mean: of a multiple one, rounding leaves the mean.

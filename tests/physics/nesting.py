@@ -10,7 +10,7 @@ from typing import Any
 
 import bondgraph as bg
 
-from .plans import JUNCTIONS, SIGNALS, Plan, _end, _loose
+from .plans import JUNCTIONS, SIGNALS, Plan, end_of, loose
 
 Path = tuple[str, ...]
 PLACES: tuple[Path, ...] = ((), ("sub1",), ("sub1", "sub2"), ("sub3",))
@@ -45,7 +45,7 @@ def _level(plan: Plan, made: dict[str, Any], places: dict[str, Path], path: Path
 
     def end(name: str) -> Any:
         place = places[plan.owner(name)]
-        return _end(made, name) if place == path else submodels[place[: depth + 1]].port(name)
+        return end_of(made, name) if place == path else submodels[place[: depth + 1]].port(name)
 
     own = {name: made[name] for name, place in places.items() if place == path}
     bonds = [
@@ -57,7 +57,7 @@ def _level(plan: Plan, made: dict[str, Any], places: dict[str, Path], path: Path
     ports = {name: end(name) for name in inner if path and plan.parts[name].kind in JUNCTIONS}
     inputs = [symbol for name, symbol in zip(plan.inputs, plan.symbols, strict=True) if name in own]
     name = path[-1] if path else "whole"
-    return bg.assemble(name, *_loose(own), *submodels.values(), *bonds, ports=ports, inputs=inputs)
+    return bg.assemble(name, *loose(own), *submodels.values(), *bonds, ports=ports, inputs=inputs)
 
 
 def _common(places: list[Path]) -> Path:

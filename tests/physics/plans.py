@@ -106,8 +106,8 @@ class Plan:
     def graph(self, name: str = "plan") -> bg.BondGraph:
         """Write the plan with bonds and `assemble`."""
         made = self.elements()
-        chains = [_end(made, tail) >> _end(made, head) for tail, head in self.bonds]
-        return bg.assemble(name, *_loose(made), *chains, inputs=self.symbols)
+        chains = [end_of(made, tail) >> end_of(made, head) for tail, head in self.bonds]
+        return bg.assemble(name, *loose(made), *chains, inputs=self.symbols)
 
     @property
     def symbols(self) -> list[sympy.Symbol]:
@@ -127,12 +127,12 @@ class Plan:
         return {name: made[name] for name in self.parts}
 
 
-def _loose(made: dict[str, Any]) -> list[Any]:
+def loose(made: dict[str, Any]) -> list[Any]:
     """Elements named without a bond: what no bond reaches has to be named; not RS, not fields."""
     return [item for item in made.values() if isinstance(item, bg.elements.Element)]
 
 
-def _end(made: dict[str, Any], end: str) -> Any:
+def end_of(made: dict[str, Any], end: str) -> Any:
     """Return what a bond is drawn to."""
     if end in made:
         return made[end]
@@ -143,7 +143,7 @@ def _end(made: dict[str, Any], end: str) -> Any:
 def hears(made: dict[str, Any], heard: str) -> sympy.Symbol:
     """Return the symbol of a variable such as ``c.e`` or ``field.port.q``."""
     owner, _, letter = heard.rpartition(".")
-    return getattr(_end(made, owner), letter)
+    return getattr(end_of(made, owner), letter)
 
 
 def element(name: str, part: Part, made: dict[str, Any]) -> Any:

@@ -10,9 +10,11 @@ import threading
 import time
 from collections import Counter
 from collections.abc import Callable, Iterator
+from functools import partial
 
 from .draws import Menu, draw, labels
 from .plans import Plan
+from .shrink import shrunken
 
 # A graph that takes longer is a failure. CPU time, so that a busy machine changes nothing.
 LIMIT = 10.0
@@ -66,6 +68,18 @@ class Tally:
         return f"{told}; slowest {self.slowest:.2f} s"
 
 
+def _alike(
+    check: Callable[[Plan, int], list[str]], seed: int, first: Exception, plan: Plan
+) -> bool:
+    """Whether a plan fails as the first one did, by the kind of its error and how that begins."""
+    try:
+        with watchdog():
+            check(plan, seed)
+    except Exception as error:
+        return type(error) is type(first) and str(error)[:12] == str(first)[:12]
+    return False
+
+
 def campaign(name: str, menu: Menu, count: int, check: Callable[[Plan, int], list[str]]) -> Tally:
     """Draw so many plans and check each.
 
@@ -92,7 +106,8 @@ def campaign(name: str, menu: Menu, count: int, check: Callable[[Plan, int], lis
             with watchdog():
                 found = check(plan, index)
         except Exception as error:
-            raise AssertionError(f"random graph {seed!r}: {error!r}\n{plan}") from error
+            small = shrunken(plan, partial(_alike, check, index, error))
+            raise AssertionError(f"random graph {seed!r}: {error!r}\n{small}") from error
         taken = time.process_time() - begin
         assert taken <= LIMIT, f"random graph {seed!r} took {taken:.1f} s\n{plan}"
         tally.slowest = max(tally.slowest, taken)

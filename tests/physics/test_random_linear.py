@@ -17,8 +17,8 @@ from bondgraph.errors import BondGraphError
 from .checks import follows_raw, same_eigenvalues, same_transforms, traits
 from .draws import Menu
 from .nesting import nested
+from .pencil import Pencil
 from .plans import Part, Plan
-from .raw import Pencil
 from .tally import campaign
 
 # graphs a test, and tests: small ones, since the ways in which graphs differ are found among them
