@@ -197,9 +197,12 @@ class _Draw:
         """A dissipator whose loss warms a body."""
         rng = self.rng
         law = f"effort {rng.choice(('cubic', 'tanh'))}" if self.curved() else "linear"
+        junction, store = "linear", "energy hot"
+        if rng.random() < 0.3:
+            law, junction, store = "pseudo linear", "pseudo", "pseudo linear"
         pad = self.part(Part("RS", law, (rng.choice(VALUES),)))
-        room = self.part(Part("0"))
-        body = self.part(Part("C", "energy hot", (rng.choice(VALUES),)))
+        room = self.part(Part("0", junction))
+        body = self.part(Part("C", store, (rng.choice(VALUES),)))
         self.bonds += [(rng.choice(self.nodes), pad), (f"{pad}_heat", room), (room, body)]
 
     def signals(self, plan: Plan) -> Plan:

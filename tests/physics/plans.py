@@ -29,7 +29,8 @@ STATE = {"C": "q", "I": "p"}
 class Part:
     """An element: kind, law by its name in `formulae`, numbers, and the variable it hears.
 
-    A field has ports, by name and kind; its numbers are a matrix, row by row.
+    A field has ports, by name and kind; its numbers are a matrix, row by row. A law that begins
+    with ``pseudo`` stands on a pseudo-bond, whose flow is heat.
     """
 
     kind: str
@@ -152,7 +153,7 @@ def element(name: str, part: Part, made: dict[str, Any]) -> Any:
     numbers = [symbolic(number) for number in part.numbers]
     heard = hears(made, part.heard) if part.heard else None
     if kind in JUNCTIONS:
-        return JUNCTIONS[kind](name)
+        return JUNCTIONS[kind](name, pseudo=law == "pseudo")
     if kind in ("De", "Df"):
         return getattr(bg, kind)(name)
     if kind in FIELDS:
@@ -184,13 +185,15 @@ def _resists(law: str, number: Any, heard: Any) -> dict[str, Any]:
         return {"effort": lambda f: MODULATES[law](sympy, heard, number) * f}
     if law == "linear":
         return {"resistance": number}
+    if law == "pseudo linear":
+        return {"resistance": number, "pseudo": True}
     gives, _, formula = law.partition(" ")
     return {gives: lambda x: RESISTS[formula](sympy, x, number)}
 
 
 def _stores(name: str, kind: str, law: str, number: Any) -> Any:
     make = getattr(bg, kind)
-    if law == "linear":
+    if law in ("linear", "pseudo linear"):
         return make(name, number)
     key, _, formula = law.partition(" ")
     store = STORES[formula]

@@ -64,7 +64,9 @@ class Rows:
         total: Any = 0
         for name, part in self.plan.parts.items():
             numbers = [self.number(value) for value in part.numbers]
-            if part.kind in STATE:
+            if part.law.startswith("pseudo") and part.kind == "C":
+                total += states[name]  # heat itself
+            elif part.kind in STATE:
                 formula = STORES[part.law.rpartition(" ")[2]].energy
                 total += formula(self.m, states[name], numbers[0])
             elif part.ports and part.kind != "RField":
@@ -153,7 +155,8 @@ class Rows:
             rows = [asked - RESISTS[formula](self.m, given, number)]
         if part.kind == "RS":
             heat = self.at[f"{name}_heat"][0][0]
-            rows.append(v.e[heat] * v.f[heat] - e * f)
+            pseudo = part.law.startswith("pseudo")
+            rows.append((v.f[heat] if pseudo else v.e[heat] * v.f[heat]) - e * f)
         return rows
 
     def _gradient(self, part: Any, x: list[Any]) -> list[Any]:

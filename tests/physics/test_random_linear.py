@@ -22,10 +22,10 @@ from .plans import Part, Plan
 from .tally import campaign
 
 # graphs a test, and tests: small ones, since the ways in which graphs differ are found among them
-BATCH, BATCHES, LARGE, NESTED = 125, 8, 25, 60
+BATCH, BATCHES, LARGE, NESTED = 125, 8, 40, 60
 POWER = Menu(fields=2, sensors=1, pairs=1)
 SIGNALS = Menu(junctions=4, ones=2, fields=1, sensors=1, pairs=1, blocks=2, signals=2)
-BIG = Menu(junctions=12, loops=5, ones=2, chain=1, fields=2, kinds=("R", "C", "I", "I", "Se"))
+BIG = Menu(junctions=30, loops=8, ones=2, chain=1, fields=2, kinds=("R", "C", "I", "I", "Se"))
 
 
 def check(plan: Plan, seed: int, make=Plan.graph) -> list[str]:

@@ -65,6 +65,7 @@ def test_random_graphs(batch):
 
 
 def test_dry_friction_slipping_either_way():
+    """Refused where friction alone bears on a C: its effort would have to be the C's."""
     tally = campaign("dry", DRY, CONTACTS, check)
     assert tally["graphs"] == CONTACTS
     assert tally["contact"] >= 0.4 * CONTACTS
