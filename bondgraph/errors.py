@@ -22,6 +22,23 @@ def suggestion(name: str, known: Iterable[str], most: int = 3) -> str:
     return f"did you mean {' or '.join(near)}?" if near else ""
 
 
+def owners(variables: Iterable[str]) -> tuple[str, ...]:
+    """Return the elements that variables of equations belong to, by the variables' names.
+
+    Examples
+    --------
+    >>> owners(["rate(der(rear.mass.p))", "a>b (2).e", "mass.f", "rear.mass.e"])
+    ('rear.mass', 'a', 'b', 'mass')
+    """
+    found: dict[str, None] = {}
+    for name in variables:
+        while name.startswith(("der(", "rate(")) and name.endswith(")"):
+            name = name.partition("(")[2][:-1]
+        bond = name.rpartition(".")[0].partition(" (")[0]
+        found |= dict.fromkeys(end for end in bond.split(">") if end)
+    return tuple(found)
+
+
 class BondGraphError(Exception):
     """Base of every error raised on purpose by the framework.
 

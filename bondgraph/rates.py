@@ -10,7 +10,7 @@ from collections.abc import Collection, Mapping, MutableMapping
 
 import sympy
 
-from .errors import LawError
+from .errors import LawError, owners
 from .graph import TIME
 from .terms import slopes
 
@@ -66,12 +66,14 @@ class Rates:
         self._known: dict[sympy.Symbol, sympy.Expr] = {}
         self._order: dict[sympy.Symbol, int] = {}
         self._pending: list[sympy.Symbol] = []
+        self._made: set[sympy.Symbol] = set()  # rates asked for, written or not yet
         self.input_rates: dict[sympy.Symbol, sympy.Symbol] = {}
         self.full = self
         if answers:
             self.full = Rates(explicit, implicit, states, inputs, signals=signals)
             self.full._word = "rate"
             self.full.input_rates = self.input_rates
+            self.full._made = self._made
 
     def of(self, expression: sympy.Expr) -> sympy.Expr:
         """Return the total time derivative of an expression, in known variables and rates.
@@ -96,12 +98,21 @@ class Rates:
     def finish(self) -> None:
         """Write the assignments of the rates asked for, until none is left."""
         while self._pending or self.full._pending:
-            work = self if self._pending else self.full
-            symbol = work._pending.pop()
+            work, symbol = self._next()
+            work._pending.remove(symbol)
             rate = work._known[symbol]
             assert isinstance(rate, sympy.Symbol)
             table = self._explicit if symbol in self._explicit else self._implicit
             table[rate] = work._chain(table[symbol])
+
+    def _next(self) -> tuple[Rates, sympy.Symbol]:
+        """Return what to work out next: the last asked for that is itself written."""
+        return next(
+            (work, symbol)
+            for work in (self, self.full)
+            for symbol in reversed(work._pending)
+            if symbol in self._explicit or symbol in self._implicit
+        )
 
     def _chain(self, expression: sympy.Expr) -> sympy.Expr:
         terms = []
@@ -126,7 +137,8 @@ class Rates:
             return self._states[symbol]
         if symbol in self._inputs or symbol in self.input_rates.values():
             return self._new_input_rate(symbol)
-        if symbol in self._explicit or symbol in self._implicit:
+        # a rate asked for but not written yet is no constant
+        if symbol in self._explicit or symbol in self._implicit or symbol in self._made:
             return self._new_rate(symbol)
         return sympy.S.Zero
 
@@ -142,10 +154,11 @@ class Rates:
             raise LawError(
                 f"the equations ask for derivatives of ever higher order (at {symbol.name}); "
                 f"a dependent storage hangs on another: add a compliance or resistance between them",
-                elements=[symbol.name],
+                elements=owners([symbol.name]),
             )
         rate = sympy.Symbol(f"{self._word}({symbol.name})", real=True)
         self._known[symbol] = rate
+        self._made.add(rate)
         self._order[rate] = order
         self._pending.append(symbol)
         return rate

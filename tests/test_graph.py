@@ -11,6 +11,7 @@ from bondgraph import (
     TF,
     TIME,
     C,
+    Friction,
     I,
     One,
     Output,
@@ -531,3 +532,12 @@ def test_a_parameter_named_like_time_is_told():
     assert "'t' of R 'wall' is taken for time" in note
     assert assemble("g", parts, parameters={t: 2}).notes == ()
     assert assemble("g", Sf("s", sympy.Symbol("t")) >> Zero("z") >> R("r", 1)).notes == ()
+
+
+def test_the_slip_speed_of_a_friction_is_no_variable_of_the_graph():
+    """Once an internal error of the derivation."""
+    floor = Friction("floor", kinetic=lambda speed: 1 + speed)
+    v = One("v")
+    with pytest.raises(GraphError, match=r"use its flow floor\.f") as caught:
+        assemble("sled", v >> (I("m", 1), floor), Se("wrong", floor.speed) >> v)
+    assert caught.value.elements == ("floor",)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import sympy
 
 from ..codegen.symbols import symbols_in
-from ..errors import AlgebraicLoopError
+from ..errors import AlgebraicLoopError, owners
 from ..terms import slopes
 from .components import components
 from .elimination import Affine, Elimination, Names, combined, tidy
@@ -175,7 +175,7 @@ class _Solver:
         raise SingularLoopError(
             f"the algebraic loop through {_few(names)} has no unique solution; "
             f"add a compliance or inertia in it, or remove a redundant element",
-            names,
+            owners(names) or names,
             frozenset().union(*bound),
         )
 

@@ -32,6 +32,9 @@ class R(OnePort):
     effort, flow : Expr or None
         The law in each form, in the symbols ``f`` and ``e``; None where the
         law is not known in that form.
+    partners : Tuple of Symbol
+        Variables of the other ports of the same field, which the law may use;
+        empty for a one-port.
 
     Raises
     ------
@@ -47,6 +50,7 @@ class R(OnePort):
 
     effort: sympy.Expr | None
     flow: sympy.Expr | None
+    partners: sympy.Tuple
     kind: ClassVar[str] = "R"
 
     def __init__(
@@ -58,6 +62,7 @@ class R(OnePort):
         flow: Callable[[Any], Any] | None = None,
     ) -> None:
         self._ports(name)
+        self._set(partners=sympy.Tuple())
         key, law = self._one_of(resistance=resistance, effort=effort, flow=flow)
         if key == "resistance":
             value = self._apply(key, law, self.f)

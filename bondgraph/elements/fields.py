@@ -315,8 +315,9 @@ class RField(Field[R]):
             rows = list(matrix * sympy.Matrix(given))
         else:
             rows = _rows("RField", name, key, law, given)
-        for element, row in zip(elements.values(), rows, strict=True):
-            element._set(effort=None, flow=None)
+        for element, own, row in zip(elements.values(), given, rows, strict=True):
+            partners = sympy.Tuple(*(variable for variable in given if variable is not own))
+            element._set(effort=None, flow=None, partners=partners)
             element._set(**{gives: row})
         super().__init__(name, elements)
 

@@ -65,7 +65,8 @@ class DryFriction(Switched):
             )
         if self.speed in self.breakaway.free_symbols:
             raise LawError(
-                f"{self.kind} {name!r}: breakaway acts at zero slip and cannot depend on speed; give a force"
+                f"{self.kind} {name!r}: breakaway acts at zero slip and cannot depend on speed; give a force",
+                elements=[name],
             )
 
     def slipping(self, direction: sympy.Expr) -> sympy.Expr:

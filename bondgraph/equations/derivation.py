@@ -249,11 +249,14 @@ class _Derivation:
         """Let laws use a stand-in for what they hear of other elements.
 
         For rates a signal is not a bond: what a dependent storage answers comes back along
-        bonds without effect on its own state, but not along signals.
+        bonds without effect on its own state, but not along signals. The ports of a field
+        hear each other as they would through bonds.
         """
         if not self.answers:
             return element
         own = set(element.symbols.values())
+        if isinstance(element, Storage | R):
+            own |= set(element.partners)
         heard = {}
         for symbol in set().union(*(law.free_symbols for law in element.laws.values())) - own:
             for variable in self.names.get(symbol, sympy.S.Zero).free_symbols:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from typing import Any
 
 import sympy
 
 from ..codegen.symbols import symbols_in
-from ..elements import Element
+from ..elements import DryFriction, Element
 from ..errors import GraphError, LawError, ParameterError
 from ..laws import exact
 from ..parameters import Parameter, as_parameter
@@ -27,7 +27,12 @@ class Symbols:
         inputs: Iterable[sympy.Symbol] | Mapping[sympy.Symbol, str],
     ) -> None:
         self.graph = graph
+        # what stands for the slip speed in a friction's law is no variable of the graph
+        self._inner = {
+            element.speed for element in elements.values() if isinstance(element, DryFriction)
+        }
         self.own = {symbol for element in elements.values() for symbol in element.symbols.values()}
+        self.own -= self._inner
         self.merged: dict[sympy.Basic, sympy.Basic] = {}
         self.notes: list[str] = []
         self._by_name: dict[str, sympy.Symbol] = {}
@@ -48,8 +53,9 @@ class Symbols:
         used: dict[sympy.Symbol, None] = {}
         for label, element in elements.items():
             user = f"{element.kind} {label!r}"
+            own = {element.speed} if isinstance(element, DryFriction) else ()
             for law in element.laws.values():
-                used |= dict.fromkeys(self._foreign(law, user))
+                used |= dict.fromkeys(self._foreign(law, user, own))
         self.inputs = {
             self._known(symbol): unit
             for submodel in submodels
@@ -88,9 +94,19 @@ class Symbols:
             self.merged[symbol] = chosen
         return chosen
 
-    def _foreign(self, expression: sympy.Expr, user: str) -> list[sympy.Symbol]:
+    def _foreign(
+        self, expression: sympy.Expr, user: str, inner: Collection[sympy.Basic] = ()
+    ) -> list[sympy.Symbol]:
         found = []
-        for symbol in sorted(symbols_in(expression) - self.own, key=lambda item: item.name):
+        outside = symbols_in(expression) - self.own - set(inner)
+        for symbol in sorted(outside, key=lambda item: item.name):
+            if symbol in self._inner:
+                name = symbol.name.removesuffix(".speed")
+                raise GraphError(
+                    f"graph {self.graph!r}: {user} uses {symbol.name}, which stands for the slip speed inside the law "
+                    f"of {name!r} alone; use its flow {name}.f",
+                    elements=[name],
+                )
             if isinstance(symbol, sympy.Dummy):
                 raise GraphError(
                     f"graph {self.graph!r}: {user} uses {symbol.name}, but that element is not in the graph; add it",
