@@ -34,6 +34,8 @@ def product(*factors: sympy.Expr) -> sympy.Expr:
     >>> product(sympy.Rational(1, 2), e**2), product(f, 3 * e)
     (e**2/2, 3*e*f)
     """
+    if len(factors) == 2 and _is_plain(*factors):
+        return sympy.Mul._from_args(factors, is_commutative=True)
     number: sympy.Expr = sympy.S.One
     powers: list[sympy.Expr] = []
     for factor in factors:
@@ -49,7 +51,18 @@ def product(*factors: sympy.Expr) -> sympy.Expr:
         powers.sort(key=_BY_SYMPY)
     if number is not sympy.S.One:
         powers.insert(0, number)
-    return sympy.Mul._from_args(tuple(powers))
+    return sympy.Mul._from_args(tuple(powers), is_commutative=True)
+
+
+def _is_plain(number: sympy.Expr, symbol: sympy.Expr) -> bool:
+    """Whether two factors are a number other than 0 and 1, and a symbol: most products are."""
+    return bool(
+        number.is_Rational
+        and symbol.is_Symbol
+        and symbol.is_commutative
+        and number is not sympy.S.One
+        and number is not sympy.S.Zero
+    )
 
 
 def _base(power: sympy.Expr) -> sympy.Symbol | None:
@@ -79,7 +92,7 @@ def signed_sum(plus: Iterable[sympy.Symbol], minus: Iterable[sympy.Symbol]) -> s
     plus, minus = list(plus), list(minus)
     terms = [*plus, *(-symbol for symbol in minus)]
     if len(terms) > 1 and len({*plus, *minus}) == len(terms):
-        return sympy.Add._from_args(tuple(sorted(terms, key=_BY_SYMPY)))
+        return sympy.Add._from_args(tuple(sorted(terms, key=_BY_SYMPY)), is_commutative=True)
     return sympy.Add(*terms)
 
 

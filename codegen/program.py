@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import sympy
 
+from .collector import held_back
 from .symbols import symbols_in
 
 
@@ -84,6 +85,7 @@ class Program:
         return int(sum(sympy.count_ops(expression) for expression in expressions))
 
     @classmethod
+    @held_back()
     def pruned(
         cls,
         name: str,

@@ -13,6 +13,7 @@ from typing import Any
 import casadi
 import sympy
 
+from .collector import held_back
 from .program import Program, ProgramError
 
 # SX operators by sympy class; the number of arguments is what sympy gives.
@@ -57,6 +58,7 @@ _plus = functools.partial(casadi.SX.binary, casadi.OP_ADD)
 _times = functools.partial(casadi.SX.binary, casadi.OP_MUL)
 
 
+@held_back()
 def to_casadi(program: Program) -> casadi.Function:
     """Build a CasADi function on dense column vectors.
 

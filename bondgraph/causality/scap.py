@@ -6,7 +6,7 @@ from collections import deque
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
-from ..collector import held_back
+from ..codegen.collector import held_back
 from ..elements import (
     GY,
     TF,

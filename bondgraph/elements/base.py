@@ -13,6 +13,7 @@ from ..bonds import Joinable
 from ..errors import GraphError, LawError
 from ..laws import exact
 
+NO_PARTNERS = sympy.Tuple()  # of a one-port: it is no port of a field
 EFFORT = "effort"
 FLOW = "flow"
 

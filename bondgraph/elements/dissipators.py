@@ -10,7 +10,7 @@ import sympy
 
 from ..laws import affine_inverse
 from ..terms import product
-from .base import OnePort
+from .base import NO_PARTNERS, OnePort
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
@@ -62,7 +62,7 @@ class R(OnePort):
         flow: Callable[[Any], Any] | None = None,
     ) -> None:
         self._ports(name)
-        self._set(partners=sympy.Tuple())
+        self._set(partners=NO_PARTNERS)
         key, law = self._one_of(resistance=resistance, effort=effort, flow=flow)
         if key == "resistance":
             value = self._apply(key, law, self.f)

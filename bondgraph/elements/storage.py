@@ -11,7 +11,7 @@ import sympy
 from ..errors import LawError
 from ..laws import affine_inverse
 from ..terms import product
-from .base import OnePort, variable
+from .base import NO_PARTNERS, OnePort, variable
 
 LARGEST_EXPANSION = 4  # of a power of a sum, when a law is integrated
 
@@ -85,7 +85,7 @@ class Storage(OnePort):
                 inverse=affine_inverse(law_of_energy, state, conjugate),
                 energy=value,
             )
-        self._set(initial=self._apply("initial", initial, state), partners=sympy.Tuple())
+        self._set(initial=self._apply("initial", initial, state), partners=NO_PARTNERS)
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)

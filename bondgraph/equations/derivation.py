@@ -11,7 +11,7 @@ import sympy
 from ..blocks import SingularLoopError, order_and_solve
 from ..blocks.residues import PRIME, Residues
 from ..causality import CausalGraph, assign_causality
-from ..collector import held_back
+from ..codegen.collector import held_back
 from ..elements import (
     TF,
     C,

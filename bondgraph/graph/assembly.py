@@ -9,7 +9,7 @@ from typing import Any
 import sympy
 
 from ..bonds import Bond, Chain
-from ..collector import held_back
+from ..codegen.collector import held_back
 from ..elements import RS, De, Df, Element, Junction, OnePort
 from ..errors import GraphError
 from .structure import check_structure, disconnected

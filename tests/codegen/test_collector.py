@@ -5,7 +5,7 @@ import gc
 import pytest
 
 from bondgraph import One, R, Se, assemble
-from bondgraph.collector import held_back
+from bondgraph.codegen.collector import held_back
 from bondgraph.errors import GraphError
 
 
