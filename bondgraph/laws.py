@@ -158,3 +158,84 @@ def affine_inverse(
     if slope == 0 or argument in slope.free_symbols:
         return None
     return (value - law.xreplace({argument: sympy.S.Zero})) / slope
+
+
+def inverse(
+    law: sympy.Expr | None, argument: sympy.Symbol, value: sympy.Symbol
+) -> sympy.Expr | None:
+    """Invert a law that is affine or an odd power; None where it is neither.
+
+    Parameters
+    ----------
+    law : Expr or None
+    argument : Symbol
+        What the law is a function of.
+    value : Symbol
+        What the law gives.
+
+    Returns
+    -------
+    Expr or None
+
+    Examples
+    --------
+    >>> f, e = sympy.symbols("f e", real=True)
+    >>> inverse(2 * f, f, e), inverse(f**3, f, e), inverse(f + f**3, f, e)
+    (e/2, Abs(e)**(1/3)*sign(e), None)
+    """
+    affine = affine_inverse(law, argument, value)
+    return power_inverse(law, argument, value) if affine is None else affine
+
+
+def power_inverse(
+    law: sympy.Expr | None, argument: sympy.Symbol, value: sympy.Symbol
+) -> sympy.Expr | None:
+    """Invert an odd power law, such as an orifice's ``e = c f |f|``; None where it is none.
+
+    Parameters
+    ----------
+    law : Expr or None
+        ``c f**n`` with n odd, ``c f |f|**m`` or ``c sign(f) |f|**m``, m positive.
+    argument : Symbol
+        What the law is a function of; real.
+    value : Symbol
+        What the law gives.
+
+    Returns
+    -------
+    Expr or None
+
+    Examples
+    --------
+    >>> f, e = sympy.symbols("f e", real=True)
+    >>> power_inverse(4 * f * abs(f), f, e)
+    sqrt(Abs(e))*sign(e)/2
+    """
+    if law is None or not argument.is_real:
+        return None
+    factor, rest = law.as_independent(argument, as_Add=False)
+    if factor == 0 or argument in factor.free_symbols:
+        return None
+    degree = _odd_degree(rest, argument)
+    if degree is None:
+        return None
+    part = value / factor
+    return sympy.sign(part) * sympy.Abs(part) ** (1 / degree)
+
+
+def _odd_degree(power: sympy.Expr, argument: sympy.Symbol) -> sympy.Rational | None:
+    """Return n where an expression is ``sign(x) |x|**n``; None where it is not."""
+    degree, odd = sympy.S.Zero, False
+    for part in sympy.Mul.make_args(power):
+        base, exponent = part.as_base_exp()
+        if not (exponent.is_Rational and exponent > 0):
+            return None
+        if base == argument and exponent.is_Integer:
+            degree, odd = degree + exponent, odd != bool(exponent % 2)
+        elif base == sympy.Abs(argument):
+            degree += exponent
+        elif base == sympy.sign(argument) and exponent.is_Integer:
+            odd = odd != bool(exponent % 2)
+        else:
+            return None
+    return degree if odd and degree > 0 else None

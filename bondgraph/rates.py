@@ -120,6 +120,10 @@ class Rates:
         inner = {symbol: self._rate(symbol) for symbol in symbols}
         moving = [symbol for symbol in symbols if inner[symbol] != 0]
         for symbol, slope in slopes(expression, moving).items():
+            if slope.has(
+                sympy.DiracDelta
+            ):  # where a law jumps it has no rate that a number could tell
+                slope = slope.replace(sympy.DiracDelta, lambda *_: sympy.S.Zero)
             terms.append(slope * inner[symbol])
         return sympy.Add(*terms)
 

@@ -177,12 +177,12 @@ class TestReasons:
     def test_one_way_laws_have_their_way_where_they_can(self):
         node = Zero("node")
         result = causal(
-            Sf("s", 1) >> node >> (R("r", 1), R("diode", flow=lambda e: e**3)),
+            Sf("s", 1) >> node >> (R("r", 1), R("diode", flow=lambda e: e + e**3)),
         )
         assert result.stroke("node>diode").reason is not Reason.ARBITRARY
         assert result.stroke("node>diode").flow_out_of == "diode"
         assert "gives its flow by its law" in result.stroke("node>diode").because
-        turned = causal(Sf("s", 1) >> Zero("n") >> (R("r", 1), R("pad", effort=lambda f: f**3)))
+        turned = causal(Sf("s", 1) >> Zero("n") >> (R("r", 1), R("pad", effort=lambda f: f + f**3)))
         assert turned.stroke("n>pad").effort_out_of == "pad"
 
     def test_dry_friction_takes_its_slip(self):

@@ -74,7 +74,9 @@ class TestR:
         leak = R("leak", flow=lambda e: e / 4 - 1)
         assert sympy.expand(leak.effort - 4 * (leak.f + 1)) == 0
 
-    @pytest.mark.parametrize("law", [lambda f: f**3, sympy.tanh, sympy.Abs, lambda f: sympy.S(5)])
+    @pytest.mark.parametrize(
+        "law", [lambda f: f + f**3, sympy.tanh, sympy.Abs, lambda f: sympy.S(5)]
+    )
     def test_other_laws_keep_their_direction(self, law):
         assert R("pad", effort=law).flow is None
         assert R("diode", flow=law).effort is None

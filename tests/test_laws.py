@@ -7,9 +7,9 @@ import pytest
 import sympy
 
 from bondgraph.errors import LawError
-from bondgraph.laws import exact, regularised, stribeck
+from bondgraph.laws import exact, inverse, regularised, stribeck
 
-v, s = sympy.symbols("v s", real=True)
+v, s, s_e = sympy.symbols("v s s_e", real=True)
 
 
 @pytest.mark.parametrize("number", [0.1, 0.2, 1e-3, -7.25, 1 / 3, 6.02e23, 1e-18])
@@ -55,3 +55,30 @@ def test_regularised_is_odd_and_saturates():
     assert smooth.subs(v, 0) == 0
     assert sympy.simplify(smooth + smooth.subs(v, -v)) == 0
     assert float(smooth.subs(v, 1)) == pytest.approx(7)
+
+
+class TestInverse:
+    @pytest.mark.parametrize(
+        "law",
+        [
+            *(3 * v, 2 * v - 5, v**3 / 4, -7 * v**5, 4 * v * abs(v), -v * abs(v) ** 2),
+            *(sympy.sign(v) * sympy.sqrt(abs(v)), s**2 * v * abs(v), 2 * sympy.sign(v) * v**2),
+        ],
+    )
+    def test_there_and_back(self, law):
+        back = inverse(law, v, s_e)
+        assert back is not None
+        for number in (-2.5, -0.3, 0.7, 4.0):
+            at = {s: 1.3}
+            there = float(law.subs(v, number).subs(at))
+            assert float(back.subs(s_e, there).subs(at)) == pytest.approx(number, rel=1e-12)
+
+    @pytest.mark.parametrize(
+        "law",
+        [
+            *(None, v + v**3, v**2, abs(v), sympy.exp(v), sympy.Integer(3), v * abs(v) ** s),
+            *(v * sympy.sign(v), 1 / v, v * abs(v - 1), sympy.sqrt(v)),
+        ],
+    )
+    def test_none_where_it_is_not_known(self, law):
+        assert inverse(law, v, s_e) is None

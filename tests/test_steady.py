@@ -146,8 +146,10 @@ def test_the_guess_chooses_among_several_solutions(guess, bracket):
 
 @pytest.mark.parametrize("at", [None, {"c.q": 1.0}])
 def test_an_undetermined_variable_is_named(at):
-    """e = f^3 at rest: any charge near by moves the flow with infinite slope."""
-    graph = assemble("g", Se("E", 1) >> One("v") >> (C("c", 1), R("r", effort=lambda f: f**3)))
+    """e = f^3 + f^5 at rest: any charge near by moves the flow with infinite slope."""
+    graph = assemble(
+        "g", Se("E", 1) >> One("v") >> (C("c", 1), R("r", effort=lambda f: f**3 + f**5))
+    )
     with pytest.raises(SteadyStateError, match=r"v\.f.*singular") as caught:
         linearize(graph, at=at)
     assert caught.value.elements == ("v.f",)

@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 
 import sympy
 
-from ..laws import affine_inverse
+from ..laws import inverse
 from ..terms import product
 from .base import NO_PARTNERS, OnePort
 
@@ -43,9 +43,11 @@ class R(OnePort):
 
     Examples
     --------
-    >>> pad = R("pad", effort=lambda f: f**3)
+    >>> pad = R("pad", effort=lambda f: f + f**3)
     >>> pad.flow is None
     True
+    >>> R("orifice", effort=lambda f: 4 * f * abs(f)).flow
+    sqrt(Abs(_orifice.e))*sign(_orifice.e)/2
     """
 
     effort: sympy.Expr | None
@@ -72,7 +74,7 @@ class R(OnePort):
             )
         elif key == "effort":
             self._set(effort=self._apply(key, law, self.f), flow=None)
-            self._set(flow=affine_inverse(self.effort, self.f, self.e))
+            self._set(flow=inverse(self.effort, self.f, self.e))
         else:
             self._set(effort=None, flow=self._apply(key, law, self.e))
-            self._set(effort=affine_inverse(self.flow, self.e, self.f))
+            self._set(effort=inverse(self.flow, self.e, self.f))

@@ -198,6 +198,8 @@ class Equations:
 
 def _is_simplified(rate: sympy.Expr) -> bool:
     """Whether a rate is short enough to be simplified for display."""
+    if rate.has(sympy.sign):
+        return False  # sympy would write cases
     angles = rate.has(sympy.sin, sympy.cos)
     return bool(sympy.count_ops(rate) <= (MOST_WITH_ANGLES if angles else MOST_OPERATIONS))
 

@@ -300,3 +300,13 @@ def test_bad_input_files_are_refused_by_line(tmp_path, text, words):
     path.write_text(text)
     with pytest.raises(ParameterError, match=words):
         Samples.read(path, "v_road", "m/s")
+
+
+def test_a_tank_drains_through_an_orifice():
+    """``q' = -sqrt(q / 2) / 2``: the root falls in proportion to time; the law is given as effort."""
+    hole = R("hole", effort=lambda f: 4 * f * abs(f))
+    graph = assemble("tank", Zero("z") >> (C("tank", 2, initial=8), hole))
+    run = simulate(graph, 12.0, rtol=1e-9)
+    expected = (math.sqrt(8) - run.t / (4 * math.sqrt(2))) ** 2
+    assert run["tank.q"] == pytest.approx(expected, rel=1e-7)
+    assert run["hole.e"] == pytest.approx(4 * run["hole.f"] ** 2)

@@ -259,7 +259,7 @@ class TestFold:
             assert simulate(graph, 0.01, initial={key: 5})["r.f"][0] > 2
 
     def test_a_law_without_slope_at_the_start_is_named(self):
-        run = simulate(charging(sympy.sin(TIME), lambda f: f**3), 1)
+        run = simulate(charging(sympy.sin(TIME), lambda f: f**3 + f**5), 1)
         assert run.outcome is Outcome.SINGULAR and run.t_end == 0
 
 
