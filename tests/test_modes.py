@@ -5,9 +5,34 @@ import itertools
 import pytest
 import sympy
 
-from bondgraph import Friction, I, One, R, Se, Sf, Zero, assemble, derive, in_mode, smoothed
+from bondgraph import (
+    C,
+    Diode,
+    EndStop,
+    Friction,
+    I,
+    Integrator,
+    One,
+    R,
+    Se,
+    Sf,
+    Switch,
+    Zero,
+    assemble,
+    derive,
+    in_mode,
+    smoothed,
+)
 from bondgraph.errors import BondGraphError, LawError
-from bondgraph.modes import CODES, LABELS, SLIP_BACKWARD, SLIP_FORWARD, STICK, contacts
+from bondgraph.modes import (
+    CODES,
+    LABELS,
+    SLIP_BACKWARD,
+    SLIP_FORWARD,
+    STICK,
+    contacts,
+    mode_equations,
+)
 
 F, m = sympy.symbols("F m", positive=True)
 
@@ -118,3 +143,80 @@ class TestSmoothed:
         smooth = smoothed(graph, 0.1)
         assert smooth["floor0"].e == graph["floor0"].e
         assert smooth["floor0"].breakaway == F
+
+
+def expanded(mode, expression):
+    return sympy.simplify(mode.equations.substituted(expression))
+
+
+class TestModeEquations:
+    """What binds states, and the jump that entering a mode takes, by mechanics and circuit theory."""
+
+    def pair(self):
+        m1, m2 = sympy.symbols("m1 m2", positive=True)
+        left, right, between = One("left"), One("right"), Zero("between")
+        gap = Integrator("gap", right.f - left.f, initial=1)
+        graph = assemble(
+            "pair",
+            left >> I("a", m1),
+            right >> I("b", m2),
+            left >> between >> right >> R("drag", 2),
+            between >> EndStop("stop", gap=gap.y, restitution=0),
+            gap,
+        )
+        return derive(graph), m1, m2
+
+    def test_free_nothing_is_bound(self):
+        base, *_ = self.pair()
+        free = mode_equations(base, [])
+        assert free.bound == () and free.states == base.states
+        assert free.answers.keys() == free.margins.keys() == {"stop"}
+
+    def test_in_contact_the_masses_are_one(self):
+        base, m1, m2 = self.pair()
+        mode = mode_equations(base, ["stop"])
+        assert [state.name for state in mode.bound] == ["b.p"]
+        follows = expanded(mode, mode.equations.ports["b.p"]).subs(mode.imposed["stop"], 0)
+        assert sympy.simplify(follows - m2 * sympy.Symbol("a.p", real=True) / m1) == 0
+
+    def test_the_jump_is_that_of_the_reduced_mass(self):
+        """A closing speed that goes by du moves each momentum by m1 m2 / (m1 + m2) du."""
+        base, m1, m2 = self.pair()
+        mode = mode_equations(base, ["stop"])
+        rate = mode.imposed_rates["stop"]
+        pushes = {
+            state.name: sympy.simplify(sympy.diff(expanded(mode, change), rate))
+            for state, change in zip(mode.states, mode.derivatives, strict=True)
+        }
+        reduced = m1 * m2 / (m1 + m2)
+        assert sympy.simplify(pushes["a.p"] - reduced) == 0
+        assert sympy.simplify(pushes["a.p"] + pushes["b.p"]) == 0
+        assert pushes["gap.y"] == 0
+
+    def test_a_closed_switch_makes_two_capacitors_one(self):
+        way, a, b = One("way"), Zero("a"), Zero("b")
+        graph = assemble(
+            "share", a >> C("c1", 2), b >> C("c2", 3), a >> way >> b, way >> Switch("s", closed=1)
+        )
+        base = derive(graph)
+        assert mode_equations(base, ["s"]).bound == ()
+        closed = mode_equations(base, [])
+        assert [state.name for state in closed.bound] == ["c2.q"]
+        rate = closed.imposed_rates["s"]
+        pushes = [sympy.diff(expanded(closed, change), rate) for change in closed.derivatives]
+        assert pushes == [sympy.Rational(6, 5), -sympy.Rational(6, 5)]
+
+    def test_friction_of_one_force_is_a_source_in_its_direction(self):
+        v = One("v")
+        graph = assemble("g", v >> (I("m", 1), Friction("f", kinetic=lambda speed: 3)))
+        mode = mode_equations(derive(graph), [])
+        (change,) = mode.derivatives
+        at_rest = {mode.imposed["f"]: 0}
+        assert expanded(mode, change).subs(at_rest) == -3 * mode.directions["f"]
+
+    def test_two_diodes_cannot_both_hold_one_loop(self):
+        loop = One("loop")
+        base = derive(assemble("g", Se("E", 1) >> loop >> (Diode("a"), Diode("b"), I("L", 1))))
+        with pytest.raises(BondGraphError, match=r"'a'.*'b'") as caught:
+            mode_equations(base, ["a", "b"])
+        assert {"a", "b"} <= set(caught.value.elements)

@@ -20,7 +20,7 @@ from types import MappingProxyType
 import sympy
 
 from ..causality import assign_causality
-from ..elements import C, DryFriction, Element, Storage, Switched
+from ..elements import C, DryFriction, Storage, Switched
 from ..equations import Equations, derive
 from ..errors import BondGraphError, CausalConflictError
 from ..graph import BondGraph
@@ -100,71 +100,100 @@ def mode_equations(base: Equations, held: Collection[str]) -> ModeEquations:
     >>> [str(state) for state in blocked.bound]
     ['coil.p']
     """
-    graph = base.graph
-    imposed = {
-        name: sympy.Symbol(f"{name}.imposed", real=True)
-        for name, element in graph.of(Switched)
+    frozen = _frozen(base.graph, held)
+    equations = base if not frozen.imposed else _derived(frozen.graph, base)
+    _refuse_open(equations)
+    _refuse_freed(equations, base, held)
+    rates, own = _rates(equations), _own_symbols(equations)
+    watched = {
+        name: _watched(element, name in held, frozen.directions.get(name), own)
+        for name, element in base.graph.of(Switched)
         if element.switches
     }
-    directions = {
-        name: sympy.Symbol(f"{name}.direction", real=True)
-        for name, element in graph.of(DryFriction)
-        if name in imposed and name not in held
+    moving = {
+        name: equations.input_rates[symbol]
+        for name, symbol in frozen.imposed.items()
+        if symbol in equations.input_rates
     }
-    plain = {
-        name: graph.elements[name].plain(directions.get(name, _code(name in held)), symbol)  # type: ignore[attr-defined]
-        for name, symbol in imposed.items()
-        if name not in directions or not _depends_on_speed(graph.elements[name])
-    }
-    constant = dict.fromkeys(directions.values(), Parameter())
-    frozen = replace(
-        graph,
-        elements=MappingProxyType({**graph.elements, **plain}),
-        inputs=MappingProxyType({**graph.inputs, **{imposed[name]: "" for name in plain}}),
-        parameters=MappingProxyType({**graph.parameters, **constant}),
-    )
-    equations = base if not plain else _derived(frozen, base)
-    _refuse_open(equations)
-    rates = _rates(equations)
-    missing = [state.name for state in equations.states if state not in base.states]
-    if missing:
-        raise BondGraphError(
-            f"graph {graph.name!r}: with {_named(held)} held, {', '.join(missing)} becomes free, which it is not "
-            f"otherwise; put a small compliance or resistance beside it",
-            elements=missing,
-        )
-    own = _own_symbols(equations)
-    elements = {name: graph.elements[name] for name in imposed}
-    margins, values, answers = {}, {}, {}
-    for name, element in elements.items():
-        assert isinstance(element, Switched)
-        stays = name in held
-        variables = {element.e: own[element.e], element.f: own[element.f]}
-        answers[name] = variables[element.e if stays else element.f]
-        direction = directions.get(name)
-        if direction is not None:
-            margins[name], values[name] = direction * variables[element.f], variables[element.f]
-        else:
-            margins[name] = element.margin(0 if stays else 1).xreplace(own)
-            held_friction = isinstance(element, DryFriction)
-            values[name] = variables[element.e] if held_friction else sympy.S.Zero
-            if not stays:
-                values[name] = margins[name]
     return ModeEquations(
         held=frozenset(held),
         equations=equations,
         states=base.states,
         derivatives=tuple(rates[state] for state in base.states),
         bound=tuple(state for state in base.states if state not in equations.states),
-        imposed=MappingProxyType({n: s for n, s in imposed.items() if n in plain}),
-        imposed_rates=MappingProxyType(
-            {n: equations.input_rates[s] for n, s in imposed.items() if s in equations.input_rates}
-        ),
-        answers=MappingProxyType(answers),
-        directions=MappingProxyType(directions),
-        margins=MappingProxyType(margins),
-        values=MappingProxyType(values),
+        imposed=MappingProxyType(frozen.imposed),
+        imposed_rates=MappingProxyType(moving),
+        answers=MappingProxyType({name: found[0] for name, found in watched.items()}),
+        directions=MappingProxyType(frozen.directions),
+        margins=MappingProxyType({name: found[1] for name, found in watched.items()}),
+        values=MappingProxyType({name: found[2] for name, found in watched.items()}),
     )
+
+
+@dataclass(frozen=True, eq=False)
+class _Frozen:
+    """A graph in a mode, with what is imposed on it and the directions left open."""
+
+    graph: BondGraph
+    imposed: dict[str, sympy.Symbol]
+    directions: dict[str, sympy.Symbol]
+
+
+def _frozen(graph: BondGraph, held: Collection[str]) -> _Frozen:
+    """Put in place of switching elements what they are in the mode.
+
+    A friction that slips by a law of its speed stays what it is, its direction open.
+    """
+    switches = {name: element for name, element in graph.of(Switched) if element.switches}
+    directions = {
+        name: sympy.Symbol(f"{name}.direction", real=True)
+        for name, element in switches.items()
+        if isinstance(element, DryFriction) and name not in held
+    }
+    imposed = {
+        name: sympy.Symbol(f"{name}.imposed", real=True)
+        for name, element in switches.items()
+        if name not in directions or not _depends_on_speed(element)
+    }
+    plain = {
+        name: switches[name].plain(directions.get(name, 0 if name in held else 1), symbol)
+        for name, symbol in imposed.items()
+    }
+    constant = dict.fromkeys(directions.values(), Parameter())
+    changed = replace(
+        graph,
+        elements=MappingProxyType({**graph.elements, **plain}),
+        inputs=MappingProxyType({**graph.inputs, **dict.fromkeys(imposed.values(), "")}),
+        parameters=MappingProxyType({**graph.parameters, **constant}),
+    )
+    return _Frozen(changed, imposed, directions)
+
+
+def _watched(
+    element: Switched,
+    held: bool,
+    direction: sympy.Symbol | None,
+    own: Mapping[sympy.Basic, sympy.Expr],
+) -> tuple[sympy.Expr, sympy.Expr, sympy.Expr]:
+    """Return what a switching element answers, its margin and its value in a mode."""
+    effort, flow = own[element.e], own[element.f]
+    answer = effort if held else flow
+    if direction is not None:
+        return answer, direction * flow, flow
+    margin = element.margin(0 if held else 1).xreplace(own)
+    if isinstance(element, DryFriction):
+        return answer, margin, effort
+    return answer, margin, sympy.S.Zero if held else margin
+
+
+def _refuse_freed(equations: Equations, base: Equations, held: Collection[str]) -> None:
+    freed = [state.name for state in equations.states if state not in base.states]
+    if freed:
+        raise BondGraphError(
+            f"graph {equations.name!r}: with {_named(held)} held, {', '.join(freed)} becomes free, which it is not "
+            f"otherwise; put a small compliance or resistance beside it",
+            elements=freed,
+        )
 
 
 def _derived(graph: BondGraph, base: Equations) -> Equations:
@@ -178,14 +207,9 @@ def _derived(graph: BondGraph, base: Equations) -> Equations:
     return derive(graph)
 
 
-def _code(held: bool) -> int:
-    return 0 if held else 1
-
-
-def _depends_on_speed(friction: Element) -> bool:
+def _depends_on_speed(element: Switched) -> bool:
     """Whether a friction's effort while it slips is a law of its speed, so that it is no source."""
-    assert isinstance(friction, DryFriction)
-    return friction.speed in friction.kinetic.free_symbols
+    return isinstance(element, DryFriction) and element.speed in element.kinetic.free_symbols
 
 
 def _refuse_open(equations: Equations) -> None:
