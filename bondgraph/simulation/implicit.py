@@ -1,6 +1,7 @@
 """Functions of one mode whose algebraic variables are solved for in each call.
 
-Newton starts from the values of the call before, so that a run stays on its branch.
+Newton starts from the values of the call before, so that a run stays on its branch. A run
+forgets those of the run before.
 """
 
 from __future__ import annotations
@@ -46,6 +47,10 @@ class Implicit:
 
         dense = [casadi.densify(casadi.substitute(e, self._v, 0)) for e in results]
         return casadi.Function(name, [*self._given, self._z, self._w], dense)
+
+    def forget(self) -> None:
+        """Start anew, from zero."""
+        self._last = numpy.zeros(self._size)
 
     def solve(self, *given: Any) -> Array:
         """Return the algebraic variables at ``t, x, u, p, s`` and, where given, w; NaN where none fit."""

@@ -46,6 +46,8 @@ class ModeNumbers:
         The switch that each entry of w belongs to.
     bound : (b,) array of int
         Indices of the bound states.
+    forget : callable
+        Drops what the last call found of the algebraic variables.
     """
 
     equations: ModeEquations
@@ -55,6 +57,7 @@ class ModeNumbers:
     push: Callable[..., tuple[Array, Array]]
     held: tuple[int, ...]
     bound: Array
+    forget: Callable[[], None]
 
 
 class ModeSet:
@@ -208,7 +211,13 @@ class ModeSet:
             ),
             held=tuple(self.names.index(name) for name in order),
             bound=numpy.array([mode.states.index(state) for state in mode.bound], dtype=int),
+            forget=implicit.forget,
         )
+
+    def forget(self) -> None:
+        """Let a run begin as if it were the first."""
+        for numbers in self._numbers.values():
+            numbers.forget()
 
     def signals(self, mask: int, results: Sequence[sympy.Expr]) -> Callable[..., Array]:
         """Return a NumPy function of ``(t, x, u, p, s)``, each of shape (size, nt), to results."""
@@ -222,6 +231,7 @@ class ModeSet:
         implicit = Implicit(*self._expressions(mask, ["residual"]))
 
         def solved(*given: Array) -> Array:
+            implicit.forget()
             columns = max(item.shape[1] for item in given)
             wide = [numpy.broadcast_to(item, (item.shape[0], columns)) for item in given]
             z = numpy.array(

@@ -157,6 +157,10 @@ class Trajectory:
             for name, column in zip(self.model.contact_names, self.codes.T, strict=True)
         }
 
+    def _codes(self, name: str) -> str:
+        modes = self.model.equations.graph[name].modes
+        return ", ".join(f"{code} {label}" for label, code in modes.items())
+
     def _label(self, name: str, code: int) -> str:
         return self.model.equations.graph[name].label(code)
 
@@ -225,7 +229,7 @@ class Trajectory:
             f"{name}.mode": (
                 "time",
                 column.astype(numpy.int8),
-                {"meaning": "0 stick, 1 slip+, -1 slip-"},
+                {"meaning": self._codes(name)},
             )
             for name, column in zip(self.model.contact_names, self.codes.T, strict=True)
         }

@@ -32,6 +32,7 @@ def integrate_switched(problem: Problem, options: Options, model: ModeSet) -> So
         numbers = model.numbers(mask)
         return numbers.rhs, numbers.guard
 
+    model.forget()
     stepper = SwitchedStepper(problem, options, functions, model)
     outcome = stepper.run()
     return solution_of(stepper, outcome)

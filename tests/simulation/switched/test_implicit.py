@@ -9,6 +9,7 @@ from scipy.optimize import brentq
 from bondgraph import (
     TIME,
     C,
+    CompiledModel,
     Diode,
     Friction,
     I,
@@ -79,3 +80,15 @@ def test_friction_beside_a_nonlinear_loop():
     assert event.to_mode == "stick"
     assert event.t == pytest.approx(true.t_events[0][0], rel=1e-7)
     assert run.final["c.q"] == pytest.approx(true.y[0, -1], rel=1e-7)
+
+
+def test_a_run_does_not_hang_on_the_run_before():
+    loop, out = One("loop"), Zero("out")
+    graph = assemble(
+        "twice",
+        Se("E", 5 * sympy.sin(10 * TIME)) >> loop >> (cubic("r"), Diode("d")),
+        loop >> out >> (C("c", 0.5), R("load", 4)),
+    )
+    model = CompiledModel(graph)
+    first, second = (simulate(model, 0.4, max_step=0.02) for _ in range(2))
+    assert (first.x == second.x).all() and (first["r.e"] == second["r.e"]).all()
