@@ -121,11 +121,16 @@ class ModeSet:
     def program(self, mask: int, name: str, results: Mapping[str, Sequence[sympy.Expr]]) -> Program:
         """Build a program in ``(t, x, u, p, s, z, w, v)`` on a mode's equations.
 
-        A result named ``relation`` is filled in.
+        A result named ``relation`` is filled in; in one named ``stored`` bound states are those of
+        x, not those that follow.
         """
         mode = self.equations(mask)
         stand_ins = {state: sympy.Dummy(state.name, real=True) for state in mode.bound}
-        relation = [stand_ins[state] - state for state in mode.bound]
+        filled = dict(results)
+        if "relation" in filled:
+            filled["relation"] = [stand_ins[state] - state for state in mode.bound]
+        if "stored" in filled:
+            filled["stored"] = [energy.xreplace(stand_ins) for energy in filled["stored"]]
         return Program.pruned(
             name,
             [
@@ -139,7 +144,7 @@ class ModeSet:
                 ("v", mode.imposed_rates.values()),
             ],
             mode.equations.assignments,
-            {key: relation if key == "relation" else rows for key, rows in results.items()},
+            filled,
         )
 
     def _directions(self, mode: ModeEquations) -> list[sympy.Symbol]:
@@ -219,10 +224,23 @@ class ModeSet:
         for numbers in self._numbers.values():
             numbers.forget()
 
+    def stored(self, mask: int) -> Callable[..., Array] | None:
+        """Return stored energy as a function like `signals`; None where a potential is not known."""
+        energies = list(self.equations(mask).equations.energies.values())
+        known = [energy for energy in energies if energy is not None]
+        if len(known) < len(energies):
+            return None
+        return self._function(mask, "stored", [sympy.Add(*known)])
+
     def signals(self, mask: int, results: Sequence[sympy.Expr]) -> Callable[..., Array]:
         """Return a NumPy function of ``(t, x, u, p, s)``, each of shape (size, nt), to results."""
+        return self._function(mask, "signals", results)
+
+    def _function(
+        self, mask: int, name: str, results: Sequence[sympy.Expr]
+    ) -> Callable[..., Array]:
         mode = self.equations(mask)
-        program = self.program(mask, "signals", {"out": results})
+        program = self.program(mask, name, {name: results})
         sizes = [len(symbols) for _, symbols in program.arguments]
         function = to_numpy(program)
         if not mode.equations.algebraic:

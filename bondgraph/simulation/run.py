@@ -10,7 +10,7 @@ import numpy
 
 from ..causality import CausalGraph
 from ..codegen.program import ProgramError
-from ..errors import SimulationError
+from ..errors import BondGraphError, SimulationError
 from ..graph import BondGraph
 from ..values import algebraic_guess, initial_values, parameter_values
 from .compiled import CompiledModel
@@ -25,7 +25,7 @@ from .smooth import (
     tabled,
 )
 from .solvers import choose
-from .switched import integrate_switched
+from .switched import integrate_switched, mask_of
 from .trajectory import Energy, Event, Trajectory
 
 
@@ -145,8 +145,9 @@ def _hybrid(
     options: Options,
 ) -> Trajectory:
     span, x0, p = start
-    if not model.switched:
-        model.modes.functions(0)  # first, to say by name what has no numeric form
+    if model.switched:
+        return _searched(model, start, values, table, options)
+    model.modes.functions(0)  # first, to say by name what has no numeric form
     stored, weights = _measures(model, span[0], x0, table, p)
     energy = stored(span[0], x0) if stored else 0.0
     problem = Problem(
@@ -158,9 +159,47 @@ def _hybrid(
         weights=weights,
         energy0=energy,
     )
-    solution = _integrate(model, problem, options)
+    solution = integrate(problem, options)
     end = stored(solution.t_end, solution.x_end) if stored else None
     return _trajectory(model, solution, values, table, _audit(solution, energy, end))
+
+
+def _searched(
+    model: CompiledModel,
+    start: tuple[tuple[float, float], numpy.ndarray, numpy.ndarray],
+    values: dict[str, float],
+    table: Any,
+    options: Options,
+) -> Trajectory:
+    """Run a model whose modes are searched; its energy is known once it is in one."""
+    if options.backend == "native":
+        raise SimulationError(
+            f"model {model.equations.name!r} has switching elements other than friction, which run on the "
+            f"virtual machine; use backend='auto'"
+        )
+    span, x0, p = start
+    problem = Problem(
+        modes=model.modes, parameters=p, x0=x0, t_span=span, inputs=table, energy0=0.0
+    )
+    solution = integrate_switched(problem, options, model.mode_set)
+
+    def stored(t: float, x: numpy.ndarray, codes: numpy.ndarray) -> float | None:
+        try:
+            energy = model.mode_set.stored(mask_of(codes))
+        except BondGraphError:  # a run that found no mode to begin in
+            return None
+        if energy is None:
+            return None
+        place = numpy.array([[t]]), x[:, None], at(table, numpy.array([t])), p[:, None]
+        return float(energy(*place, codes[:, None].astype(float))[0].item())
+
+    first = solution.codes[0] if len(solution.codes) else solution.codes_end
+    energies = (
+        stored(span[0], x0, first),
+        stored(solution.t_end, solution.x_end, solution.codes_end),
+    )
+    audit = _audit(solution, energies[0] or 0.0, energies[1])
+    return _trajectory(model, solution, values, table, audit)
 
 
 def _smooth(
@@ -192,17 +231,6 @@ def _smooth(
         ends = first, stored(solution.t_end, numpy.append(solution.x_end, solution.z_end))
     audit = _audit(solution, ends[0] or 0.0, ends[1])
     return _smooth_trajectory(model, solution, values, table, audit, solver)
-
-
-def _integrate(model: CompiledModel, problem: Problem, options: Options) -> Solution:
-    if not model.switched:
-        return integrate(problem, options)
-    if options.backend == "native":
-        raise SimulationError(
-            f"model {model.equations.name!r} has switching elements other than friction, which run on the "
-            f"virtual machine; use backend='auto'"
-        )
-    return integrate_switched(problem, options, model.mode_set)
 
 
 def _span(t_span: Any) -> tuple[float, float]:
@@ -240,11 +268,8 @@ def _measures(
     model: CompiledModel, t0: float, x0: numpy.ndarray, table: Any, p: numpy.ndarray
 ) -> tuple[Any, numpy.ndarray]:
     """Return the stored-energy function of (t, x), and each state's scale for unit energy."""
-    # What hangs on the algebraic variables of open modes is not known.
-    open_ended = numpy.full(len(model.equations.algebraic) if model.switched else 0, numpy.nan)
 
     def arguments(t: float, x: numpy.ndarray) -> tuple[Any, ...]:
-        x = numpy.append(x, open_ended)
         directions = numpy.ones((len(model.equations.contacts), 1))
         return numpy.array([[t]]), x[:, None], at(table, numpy.array([t])), p[:, None], directions
 
@@ -253,7 +278,7 @@ def _measures(
     usable = numpy.isfinite(slopes) & (slopes > 0)
     weights[usable] = 1 / numpy.sqrt(slopes[usable])
     energy = model.stored
-    if energy is None or not numpy.isfinite(energy(*arguments(t0, x0))[0]):
+    if energy is None:
         return None, weights
     return lambda t, x: float(energy(*arguments(t, x))[0]), weights
 

@@ -5,5 +5,6 @@ event on the method of `bondgraph.simulation.stepper`, `run` puts them together.
 """
 
 from .run import integrate_switched
+from .search import mask_of
 
-__all__ = ["integrate_switched"]
+__all__ = ["integrate_switched", "mask_of"]

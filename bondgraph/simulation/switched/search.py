@@ -128,7 +128,8 @@ class ModeSearch:
             return mode.guard(t, x, u, p, s)
 
         found = guard(t, x)
-        scatter = numpy.where(numpy.arange(len(x)) % 2, -1.0, 1.0) * WOBBLE
+        uneven = 0.5 + numpy.modf(numpy.arange(len(x)) * 0.6180339887498949)[0]
+        scatter = numpy.where(numpy.arange(len(x)) % 2, -uneven, uneven) * WOBBLE
         moved = numpy.abs(guard(t, x + scatter * numpy.maximum(numpy.abs(x), point.scale)) - found)
         noise = 64 * EPSILON * (moved / WOBBLE + numpy.abs(found))
         drift = mode.rhs(t, x, u, p, s)[: len(x)]
@@ -203,7 +204,8 @@ class ModeSearch:
             if element.commanded:
                 continue
             at_stop = isinstance(element, EndStop) and codes[j] == 1
-            negative = margins[j] < -noise[j] and not at_stop
+            # one that is positive a moment later was negative by rounding only
+            negative = margins[j] < -noise[j] and ahead[j] < 0 and not at_stop
             near = margins[j] <= noise[j]
             falling = near and ahead[j] < min(-2 * noise[j], margins[j])
             if negative or falling:

@@ -118,6 +118,48 @@ class TestBridge:
         assert abs(run.energy.relative_residual) < 1e-7
 
 
+class TestSixPulseRectifier:
+    """Three phases with inductance: the current goes over from diode to diode while both conduct.
+
+    Source: Mohan, Undeland, Robbins, Power Electronics, ch. 5: the mean voltage is
+    3 sqrt(3)/pi V less 3 w L/pi times the current.
+    """
+
+    def graph(self):
+        p, n, load = Zero("p"), Zero("n"), One("load")
+        parts = [p >> load >> n, load >> (I("L", 0.2), R("R", 10))]
+        for k in range(3):
+            phase, node = One(f"phase{k}"), Zero(f"node{k}")
+            up, down = One(f"up{k}"), One(f"down{k}")
+            source = 100 * sympy.sin(314 * TIME - 2 * sympy.pi * k / 3)
+            parts += [
+                Se(f"E{k}", source) >> phase >> I(f"L{k}", 0.001),
+                phase >> node >> up >> p,
+                n >> down >> node,
+                up >> Diode(f"p{k}"),
+                down >> Diode(f"m{k}"),
+            ]
+        return assemble("six", parts, outputs={"i": load.f})
+
+    def test_the_mean_current(self):
+        period = 2 * np.pi / 314
+        end = 8 * period
+        grid = np.linspace(end - period, end, 601)
+        run = simulate(self.graph(), end, rtol=1e-7, max_step=5e-4, t_eval=grid)
+        assert run.outcome is Outcome.FINISHED
+        mean = np.trapezoid(run["i"], grid) / period
+        expected = 3 * np.sqrt(3) * 100 / np.pi / (10 + 3 * 314 * 0.001 / np.pi)
+        reached = 1 - np.exp(-end * 10 / 0.202)
+        assert mean == pytest.approx(expected * reached, rel=2e-3)
+        assert abs(run.energy.relative_residual) < 1e-6
+
+    def test_two_diodes_conduct_while_the_current_goes_over(self):
+        run = simulate(self.graph(), 0.03, max_step=5e-4)
+        upper = sum((run.modes[f"p{k}"] == "conducting").astype(int) for k in range(3))
+        settled = run.t > 0.01
+        assert set(upper[settled]) == {1, 2}
+
+
 class TestBuckConverter:
     """Source, switch, freewheeling diode, coil, capacitor, load."""
 
