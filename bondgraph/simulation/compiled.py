@@ -6,6 +6,7 @@ Parameters are inputs of the functions, so one compiled model serves all values.
 from __future__ import annotations
 
 import functools
+import itertools
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from typing import Any
@@ -28,6 +29,9 @@ from .smooth import SmoothFunctions, smooth_functions
 from .table import ModeFunctions, ModeTable
 
 Array = numpy.ndarray
+
+# Of so many all combinations are looked at, to say whether a run has to search its modes.
+FEW_CONTACTS = 3
 
 
 class CompiledModel:
@@ -78,11 +82,15 @@ class CompiledModel:
             return True
         if not equations.contacts:
             return False
-        try:
-            stuck = mode_equations(equations, self.contact_names)
-        except BondGraphError:
-            return True
-        return bool(stuck.equations.algebraic)
+        names = self.contact_names
+        some = range(1, len(names) + 1) if len(names) <= FEW_CONTACTS else (1, len(names))
+        for held in itertools.chain.from_iterable(itertools.combinations(names, k) for k in some):
+            try:
+                if mode_equations(equations, held).equations.algebraic:
+                    return True
+            except BondGraphError:
+                return True
+        return False
 
     def _modes_with_rates(self) -> ModeSet:
         """Return the modes; rates of inputs that some mode may need are counted among the inputs."""

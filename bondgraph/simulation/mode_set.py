@@ -172,10 +172,20 @@ class ModeSet:
     def calm(self, mask: int) -> tuple[casadi.Function, casadi.Function]:
         """Return rates with powers, and guards, as functions of ``(t, x, u, p, s)``.
 
-        For modes without algebraic variables.
+        Raises
+        ------
+        SimulationError
+            For a mode that keeps algebraic variables.
         """
         import casadi
 
+        algebraic = [symbol.name for symbol in self.equations(mask).equations.algebraic]
+        if algebraic:
+            raise SimulationError(
+                f"model {self.base.name!r}: with some of its contacts held, {', '.join(algebraic)} stay "
+                f"algebraic; add a compliance or inertia where they arise",
+                elements=algebraic,
+            )
         arguments, (rates, guards) = self._expressions(mask, ("rates", "guards"))
         given, moved = arguments[:5], casadi.vertcat(*arguments[6:])
         rates, guards = (casadi.densify(casadi.substitute(e, moved, 0)) for e in (rates, guards))
@@ -224,39 +234,47 @@ class ModeSet:
         for numbers in self._numbers.values():
             numbers.forget()
 
-    def stored(self, mask: int) -> Callable[..., Array] | None:
-        """Return stored energy as a function like `signals`; None where a potential is not known."""
+    def stored(self, mask: int) -> Callable[..., float] | None:
+        """Return stored energy as a function of ``(t, x, u, p, s, w)``; None where no potential is known.
+
+        With w, what the mode would have to impose, it is the energy before a jump into the mode.
+        """
         energies = list(self.equations(mask).equations.energies.values())
         known = [energy for energy in energies if energy is not None]
         if len(known) < len(energies):
             return None
-        return self._function(mask, "stored", [sympy.Add(*known)])
+        function = self._function(mask, "stored", [sympy.Add(*known)])
+
+        def energy(t: float, *given: Array) -> float:
+            columns = (numpy.asarray(item, dtype=float)[:, None] for item in given)
+            return float(function(numpy.array([[t]]), *columns)[0].item())
+
+        return energy
 
     def signals(self, mask: int, results: Sequence[sympy.Expr]) -> Callable[..., Array]:
         """Return a NumPy function of ``(t, x, u, p, s)``, each of shape (size, nt), to results."""
-        return self._function(mask, "signals", results)
+        function = self._function(mask, "signals", results)
+        still = numpy.zeros((len(self.equations(mask).imposed), 1))
+        return lambda *given: function(*given, still)
 
     def _function(
         self, mask: int, name: str, results: Sequence[sympy.Expr]
     ) -> Callable[..., Array]:
-        mode = self.equations(mask)
+        """Return a NumPy function of ``(t, x, u, p, s, w)``, its algebraic variables solved for."""
         program = self.program(mask, name, {name: results})
-        sizes = [len(symbols) for _, symbols in program.arguments]
         function = to_numpy(program)
-        if not mode.equations.algebraic:
-            calm = [numpy.zeros((size, 1)) for size in sizes[5:]]
-            return lambda *given: function(*given, *calm)[0]
+        calm = numpy.zeros((len(program.arguments[-1][1]), 1))
+        none = numpy.zeros((0, 1))
+        if not self.equations(mask).equations.algebraic:
+            return lambda *given: function(*given[:5], none, given[5], calm)[0]
         implicit = Implicit(*self._expressions(mask, ["residual"]))
 
         def solved(*given: Array) -> Array:
             implicit.forget()
             columns = max(item.shape[1] for item in given)
             wide = [numpy.broadcast_to(item, (item.shape[0], columns)) for item in given]
-            z = numpy.array(
-                [implicit.solve(*(item[:, i] for item in wide)) for i in range(columns)]
-            ).T
-            rest = [numpy.zeros((size, 1)) for size in sizes[6:]]
-            return function(*given, z, *rest)[0]
+            found = [implicit.solve(*(item[:, i] for item in wide)) for i in range(columns)]
+            return function(*given[:5], numpy.array(found).T, given[5], calm)[0]
 
         return solved
 

@@ -25,7 +25,7 @@ from .smooth import (
     tabled,
 )
 from .solvers import choose
-from .switched import integrate_switched, mask_of
+from .switched import imposed_before, integrate_switched, mask_of
 from .trajectory import Energy, Event, Trajectory
 
 
@@ -181,17 +181,19 @@ def _searched(
     problem = Problem(
         modes=model.modes, parameters=p, x0=x0, t_span=span, inputs=table, energy0=0.0
     )
-    solution = integrate_switched(problem, options, model.mode_set)
+    modes = model.mode_set
+    solution = integrate_switched(problem, options, modes)
 
     def stored(t: float, x: numpy.ndarray, codes: numpy.ndarray) -> float | None:
         try:
-            energy = model.mode_set.stored(mask_of(codes))
+            numbers, energy = (make(mask_of(codes)) for make in (modes.numbers, modes.stored))
         except BondGraphError:  # a run that found no mode to begin in
             return None
         if energy is None:
             return None
-        place = numpy.array([[t]]), x[:, None], at(table, numpy.array([t])), p[:, None]
-        return float(energy(*place, codes[:, None].astype(float))[0].item())
+        u, s = at(table, numpy.array([t]))[:, 0], codes.astype(float)
+        imposed = imposed_before(numbers, (t, u, p, s), x, numpy.abs(x))
+        return energy(t, x, u, p, s, numpy.zeros(len(numbers.held)) if imposed is None else imposed)
 
     first = solution.codes[0] if len(solution.codes) else solution.codes_end
     energies = (

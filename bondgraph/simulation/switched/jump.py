@@ -16,7 +16,7 @@ from ..mode_set import ModeNumbers
 
 Array = numpy.ndarray
 
-STEPS = 8  # along a path that bends; a straight one takes a single step
+MOST_STEPS = 64  # along a path; a straight one takes two
 TOLERANCE = 1e-9
 
 
@@ -110,11 +110,32 @@ def jump(
     told = numpy.zeros(size)
     told[list(mode.held)] = before
     if numpy.any(path):
-        steps = 1 if _is_straight(mode, place, x, before, after) else STEPS
-        for step in range(steps):
-            x, gained = _step(mode, place, x, before + step / steps * path, path / steps)
-            impulses += gained
+        x, impulses = _along(mode, place, x, before, path)
     return Jump(_met(mode, place, x, after), told, impulses)
+
+
+def _along(
+    mode: ModeNumbers, place: tuple[Any, ...], x: Array, before: Array, path: Array
+) -> tuple[Array, Array]:
+    """Follow the path in as many steps as it bends; return where it leads, and the impulses."""
+    steps, found = 1, _stepped(mode, place, x, before, path, 1)
+    while steps < MOST_STEPS:
+        steps *= 2
+        coarse, found = found, _stepped(mode, place, x, before, path, steps)
+        change, size = numpy.abs(found[0] - coarse[0]), numpy.abs(found[0] - x)
+        if not change.max() > TOLERANCE * size.max():  # or not a number: no step would mend it
+            break
+    return found
+
+
+def _stepped(
+    mode: ModeNumbers, place: tuple[Any, ...], x: Array, before: Array, path: Array, steps: int
+) -> tuple[Array, Array]:
+    impulses: Any = 0.0
+    for step in range(steps):
+        x, gained = _step(mode, place, x, before + step / steps * path, path / steps)
+        impulses = impulses + gained
+    return x, impulses
 
 
 def _step(
@@ -132,15 +153,6 @@ def _step(
     k3, a3 = slope(0.5, x + 0.5 * k2)
     k4, a4 = slope(1.0, x + k3)
     return x + (k1 + 2 * k2 + 2 * k3 + k4) / 6, (a1 + 2 * a2 + 2 * a3 + a4) / 6
-
-
-def _is_straight(
-    mode: ModeNumbers, place: tuple[Any, ...], x: Array, before: Array, after: Array
-) -> bool:
-    t, u, p, s = place
-    first = mode.push(t, x[:-2], u, p, s, before)[0][:-2]
-    last = mode.push(t, x[:-2] + first @ (after - before), u, p, s, after)[0][:-2]
-    return bool(numpy.allclose(first, last, rtol=1e-12, atol=0.0))
 
 
 def _met(mode: ModeNumbers, place: tuple[Any, ...], x: Array, w: Array) -> Array:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import time
 from collections import deque
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -40,6 +41,8 @@ class Point:
         Time ahead at which a margin that is zero now must not be negative.
     tick : float
         Uncertainty of the time.
+    deadline : float
+        Of the search, on the monotonic clock.
     """
 
     t: float
@@ -49,6 +52,7 @@ class Point:
     scale: Array
     probe: float
     tick: float
+    deadline: float
 
     def place(self, codes: Array) -> tuple[float, Array, Array, Array]:
         """Return what the numeric functions take besides the state."""
@@ -99,6 +103,11 @@ class ModeSearch:
         point : Point
         now : (k,) array of int or None
             Codes so far; None at the start.
+
+        Raises
+        ------
+        TimeoutError
+            Past the point's deadline.
         """
         seen: set[tuple[int, ...]] = set()
         queue = deque([tuple(int(code) for code in natural)])
@@ -141,6 +150,8 @@ class ModeSearch:
         self, codes: Array, point: Point, now: Array | None
     ) -> Found | list[tuple[int, ...]]:
         """Try one set of modes; return it, or those to try instead."""
+        if time.monotonic() > point.deadline:
+            raise TimeoutError
         try:
             mode = self.model.numbers(mask_of(codes))
             entered = self._entered(mode, codes, point, now)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import time
 from collections.abc import Callable
 
 import numpy
@@ -47,6 +48,7 @@ class SwitchedStepper(Stepper):
         super().__init__(problem, options, model)
         self.switched = switched
         self.search_modes = ModeSearch(switched)
+        self.deadline = time.monotonic() + options.time_budget
         self.impacts: dict[int, list[float]] = {}
 
     def classify(self) -> None:
@@ -127,10 +129,15 @@ class SwitchedStepper(Stepper):
             scale=scale,
             probe=1e-3 * max(min(ahead, self.t_end - self.t), 1e4 * EPSILON * abs(self.t)),
             tick=8 * EPSILON * max(abs(self.t), TINY),
+            deadline=self.deadline,
         )
 
     def _enter(self, natural: Array) -> None:
-        found = self.search_modes.find(natural, self._point(), self.code if self.started else None)
+        try:
+            now = self.code if self.started else None
+            found = self.search_modes.find(natural, self._point(), now)
+        except TimeoutError:
+            raise _End(Outcome.TIME_BUDGET) from None
         if found is None:
             log.warning("no consistent mode at t = %g: %s", self.t, self.search_modes.refusal)
             raise _End(Outcome.NO_MODE)
