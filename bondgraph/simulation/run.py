@@ -186,7 +186,8 @@ def _searched(
 
     def stored(t: float, x: numpy.ndarray, codes: numpy.ndarray) -> float | None:
         try:
-            numbers, energy = (make(mask_of(codes)) for make in (modes.numbers, modes.stored))
+            numbers = modes.numbers(mask_of(codes))
+            energy = modes.stored(mask_of(codes))
         except BondGraphError:  # a run that found no mode to begin in
             return None
         if energy is None:
