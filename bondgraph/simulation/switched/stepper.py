@@ -20,6 +20,8 @@ log = logging.getLogger(__name__)
 
 Array = numpy.ndarray
 
+# Energies may be off by so much more than states: they are for the audit.
+AUDIT = 100.0
 ZENO_BOUNCES = 8
 # Bounces that get closer end here: what is left of them lasts less than this part of the run.
 ZENO_REST = 1e-6
@@ -184,14 +186,18 @@ class SwitchedStepper(Stepper):
         """Largest component of the error estimate, beside what the rounding of time itself makes.
 
         After an event a state may start from zero under a force that starts from zero, and then
-        no part of its own size can be met.
+        no part of its own size can be met. Where all states are bound, the energies alone tell
+        how much goes on in a step.
         """
-        if self.n == 0:
-            return 0.0
-        error = numpy.abs(h * _weighted(E, self.K)[: self.n])
-        turn = numpy.abs(self.K[6] - self.K[0])[: self.n]
-        allowed = self.allowed(self.x_new[: self.n]) + 64 * EPSILON * abs(self.t + h) * turn
-        return float(numpy.max(error / numpy.maximum(allowed, TINY)))
+        n = self.n
+        error = numpy.abs(h * _weighted(E, self.K))
+        moved = numpy.abs(self.x_new[n:]).max() + h * numpy.abs(self.K[:, n:]).max()
+        norm = error[n:].max() / max(AUDIT * self.options.rtol * moved, TINY)
+        if n == 0:
+            return float(norm)
+        turn = numpy.abs(self.K[6] - self.K[0])[:n]
+        allowed = self.allowed(self.x_new[:n]) + 64 * EPSILON * abs(self.t + h) * turn
+        return float(max(norm, numpy.max(error[:n] / numpy.maximum(allowed, TINY))))
 
     def first_step(self) -> None:
         """Step length after a start or an event; one too long is only tried in vain."""
