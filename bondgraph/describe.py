@@ -184,13 +184,7 @@ def switch_variables(equations: Equations) -> set[sympy.Basic]:
 
 def in_equations(equations: Equations, expression: sympy.Expr) -> sympy.Expr:
     """Write an expression in elements' own symbols in the variables of the equations."""
-    own = {
-        symbol: equations.ports[f"{name}.{key}"]
-        for name, element in equations.graph.elements.items()
-        for key, symbol in element.symbols.items()
-        if f"{name}.{key}" in equations.ports
-    }
-    return expression.xreplace(own)
+    return expression.xreplace(equations.own_symbols)
 
 
 def switch_cases(equations: Equations) -> list[sympy.Expr]:

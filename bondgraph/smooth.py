@@ -331,7 +331,10 @@ def _ordered(derived: list[sympy.Symbol], table: Mapping[sympy.Symbol, Any]) -> 
 def _contact_rows(
     equations: Equations, graph: BondGraph, laws: Mapping[str, Switched]
 ) -> list[sympy.Expr]:
-    """Write flow, effort and margins of each switching element in the mode's own variables."""
+    """Write flow, effort and margins of each switching element in the mode's own variables.
+
+    The symbols are those of the graph given, which may be built anew beside the equations'.
+    """
     variables = {
         symbol: equations.ports[f"{name}.{key}"]
         for name, element in graph.elements.items()

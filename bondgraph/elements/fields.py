@@ -18,7 +18,7 @@ from ..laws import affine_inverse, exact
 from .base import Element, check_name
 from .dissipators import R
 from .matrices import inverse_of, is_symmetric
-from .storage import C, I, Storage
+from .storage import C, I
 
 P = TypeVar("P", bound=C | I | R)
 
@@ -414,11 +414,6 @@ def _rows(
             elements=[name],
         )
     return rows
-
-
-def shares_energy(element: Storage) -> bool:
-    """Whether a storage is a port of a field."""
-    return bool(element.partners)
 
 
 def port_of(element: Element) -> tuple[str, str] | None:

@@ -129,6 +129,16 @@ class Equations:
         return TIME
 
     @property
+    def own_symbols(self) -> dict[sympy.Basic, sympy.Expr]:
+        """Map the elements' own symbols, as laws use them, to the equations' variables."""
+        return {
+            symbol: self.ports[f"{name}.{key}"]
+            for name, element in self.graph.elements.items()
+            for key, symbol in element.symbols.items()
+            if f"{name}.{key}" in self.ports
+        }
+
+    @property
     def directions(self) -> tuple[sympy.Symbol, ...]:
         """Slip directions of the contacts, in order."""
         return tuple(contact.direction for contact in self.contacts)

@@ -104,7 +104,7 @@ def mode_equations(base: Equations, held: Collection[str]) -> ModeEquations:
     equations = base if not frozen.imposed else _derived(frozen.graph, base)
     _refuse_open(equations)
     _refuse_freed(equations, base, held)
-    rates, own = _rates(equations), _own_symbols(equations)
+    rates, own = _rates(equations), equations.own_symbols
     watched = {
         name: _watched(element, name in held, frozen.directions.get(name), own)
         for name, element in base.graph.of(Switched)
@@ -233,16 +233,6 @@ def _rates(equations: Equations) -> dict[sympy.Symbol, sympy.Expr]:
         state = sympy.Symbol(f"{name}.{letter}", real=True)
         rates.setdefault(state, equations.ports[f"{name}.{conjugate}"])
     return rates
-
-
-def _own_symbols(equations: Equations) -> dict[sympy.Basic, sympy.Expr]:
-    """Map the elements' own symbols to the equations' variables."""
-    return {
-        symbol: equations.ports[f"{name}.{key}"]
-        for name, element in equations.graph.elements.items()
-        for key, symbol in element.symbols.items()
-        if f"{name}.{key}" in equations.ports
-    }
 
 
 def _named(names: Collection[str]) -> str:

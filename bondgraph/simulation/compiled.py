@@ -22,7 +22,7 @@ from ..elements import C, Storage
 from ..equations import Equations, derive
 from ..errors import BondGraphError
 from ..graph import TIME, BondGraph
-from ..modes import contacts, mode_equations
+from ..modes import ModeEquations, contacts, mode_equations
 from ..parameters import Resolver
 from .mode_set import ModeSet
 from .smooth import SmoothFunctions, smooth_functions
@@ -49,6 +49,8 @@ class CompiledModel:
         With all contacts slipping.
     modes : ModeTable
         Functions by structural mode: the bit mask of held contacts.
+    mode_set : ModeSet
+        Equations and functions of the modes.
     switched : bool
         Whether runs search their modes, on the virtual machine.
     resolver : Resolver
@@ -65,45 +67,45 @@ class CompiledModel:
         self.equations = derive(graph)
         self.contact_names = contacts(self.equations.graph)
         self.resolver = Resolver(self.equations.graph.parameters)
-        self.switched = self._must_search()
-        self._set_of_modes = self._modes_with_rates()
+        looked_at = self._looked_at()
+        self.switched = looked_at is None
+        self.mode_set = self._modes_with_rates(looked_at or {})
         sizes = (len(self.equations.states), len(self.equations.inputs), len(self.contact_names))
         self.modes = ModeTable(*sizes, self._functions)
         self._signals: dict[tuple[int, tuple[str, ...]], Callable[..., Any]] = {}
 
-    def _must_search(self) -> bool:
-        """Whether modes must be searched: they bind states, keep algebraic variables, or exclude each other.
+    def _looked_at(self) -> dict[tuple[str, ...], ModeEquations] | None:
+        """Return the modes of frictions by what sticks; None where a run has to search its modes.
 
-        Frictions that decide efforts beside explicit equations, and may all stick at once, need
-        none of that and run as compiled C.
+        It has to where modes bind states, keep algebraic variables or exclude each other. Frictions
+        that decide efforts beside explicit equations need none of that and run as compiled C.
         """
-        equations = self.equations
+        equations, names = self.equations, self.contact_names
         if equations.switches or (equations.contacts and equations.algebraic):
-            return True
-        if not equations.contacts:
-            return False
-        names = self.contact_names
+            return None
         some = range(1, len(names) + 1) if len(names) <= FEW_CONTACTS else (1, len(names))
+        found = {}
         for held in itertools.chain.from_iterable(itertools.combinations(names, k) for k in some):
             try:
-                if mode_equations(equations, held).equations.algebraic:
-                    return True
+                found[held] = mode_equations(equations, held)
             except BondGraphError:
-                return True
-        return False
+                return None
+            if found[held].equations.algebraic:
+                return None
+        return found
 
-    def _modes_with_rates(self) -> ModeSet:
+    def _modes_with_rates(self, looked_at: Mapping[tuple[str, ...], ModeEquations]) -> ModeSet:
         """Return the modes; rates of inputs that some mode may need are counted among the inputs."""
         equations = self.equations
         inputs = equations.graph.inputs
         needed = set(inputs) if self.switched else set()
-        if equations.contacts and inputs and not self.switched:
-            needed = set(mode_equations(equations, self.contact_names).equations.input_rates)
+        for mode in looked_at.values():
+            needed.update(mode.equations.input_rates)
         rates = {s: sympy.Symbol(f"der({s.name})", real=True) for s in inputs if s in needed}
         rates |= equations.input_rates
         known = tuple(dict.fromkeys((*equations.inputs, *rates.values())))
         self.equations = replace(equations, inputs=known, input_rates=rates)
-        return ModeSet(self.equations, known, equations.parameters)
+        return ModeSet(self.equations, known, equations.parameters, looked_at)
 
     def in_mask(self, mask: int) -> Equations:
         """Return the equations of a structural mode, derived on first use.
@@ -113,12 +115,7 @@ class CompiledModel:
         mask : int
             Bit j is set where contact j is held.
         """
-        return self._set_of_modes.equations(mask).equations
-
-    @property
-    def mode_set(self) -> ModeSet:
-        """The modes, for a run that searches them."""
-        return self._set_of_modes
+        return self.mode_set.equations(mask).equations
 
     def signals(self, mask: int, names: tuple[str, ...]) -> Callable[..., Any]:
         """Return a NumPy function of named signals in a structural mode.
@@ -140,7 +137,7 @@ class CompiledModel:
             equations = self.in_mask(mask)
             results = [self.expression(equations, name) for name in names]
             if self.contact_names:
-                self._signals[key] = self._set_of_modes.signals(mask, results)
+                self._signals[key] = self.mode_set.signals(mask, results)
             else:
                 function = to_numpy(self._program(equations, "signals", results))
                 self._signals[key] = lambda *arguments: function(*arguments)[0]
@@ -203,7 +200,7 @@ class CompiledModel:
         """Slope of each state's own law, as a function of ``(t, x, u, p, s)``, of shape (n, ...)."""
         equations = self.equations
         elements = {f"{name}.{_letter(item)}": item for name, item in equations.graph.of(Storage)}
-        local = {**_own_symbols(equations)}
+        local = equations.own_symbols
         slopes = []
         for state in equations.states:
             element = elements.get(state.name)
@@ -244,7 +241,7 @@ class CompiledModel:
         return energy
 
     def _functions(self, mask: int) -> ModeFunctions:
-        rhs, guard = self._set_of_modes.calm(mask)
+        rhs, guard = self.mode_set.calm(mask)
         return ModeFunctions(rhs, guard if self.contact_names else None)
 
     def _program(self, equations: Equations, name: str, results: Iterable[sympy.Expr]) -> Program:
@@ -268,13 +265,3 @@ class CompiledModel:
 
 def _letter(element: Storage) -> str:
     return "q" if isinstance(element, C) else "p"
-
-
-def _own_symbols(equations: Equations) -> dict[sympy.Basic, sympy.Expr]:
-    """Map the elements' own symbols to the equations' variables."""
-    return {
-        symbol: equations.ports[f"{name}.{key}"]
-        for name, element in equations.graph.elements.items()
-        for key, symbol in element.symbols.items()
-        if f"{name}.{key}" in equations.ports
-    }

@@ -70,6 +70,8 @@ class ModeSet:
     inputs : sequence of Symbol
         All inputs, with the rates that modes may need.
     parameters : sequence of Symbol
+    derived : mapping of tuple of str to ModeEquations, optional
+        Modes that are at hand, by what they hold.
 
     Attributes
     ----------
@@ -79,13 +81,18 @@ class ModeSet:
     """
 
     def __init__(
-        self, base: Equations, inputs: Sequence[sympy.Symbol], parameters: Sequence[sympy.Symbol]
+        self,
+        base: Equations,
+        inputs: Sequence[sympy.Symbol],
+        parameters: Sequence[sympy.Symbol],
+        derived: Mapping[tuple[str, ...], ModeEquations] | None = None,
     ) -> None:
         self.base = base
         found = {name: element for name, element in base.graph.of(Switched) if element.switches}
         self.names = tuple(found)
         self.elements: tuple[Switched, ...] = tuple(found.values())
         self._inputs, self._parameters = tuple(inputs), tuple(parameters)
+        self._derived = dict(derived or {})
         self._equations: dict[int, ModeEquations | BondGraphError] = {}
         self._numbers: dict[int, ModeNumbers] = {}
 
@@ -98,9 +105,10 @@ class ModeSet:
             Where the mode cannot be.
         """
         if mask not in self._equations:
-            held = [name for bit, name in enumerate(self.names) if mask >> bit & 1]
+            held = tuple(name for bit, name in enumerate(self.names) if mask >> bit & 1)
             try:
-                self._equations[mask] = self._checked(mode_equations(self.base, held))
+                mode = self._derived.get(held) or mode_equations(self.base, held)
+                self._equations[mask] = self._checked(mode)
             except BondGraphError as error:
                 self._equations[mask] = error
         found = self._equations[mask]
