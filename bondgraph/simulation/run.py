@@ -148,7 +148,7 @@ def _hybrid(
     if model.switched:
         return _searched(model, start, values, table, options)
     model.modes.functions(0)  # first, to say by name what has no numeric form
-    stored, weights = _measures(model, span[0], x0, table, p)
+    stored, weights = measured(model, span[0], x0, table, p)
     energy = stored or 0.0
     problem = Problem(
         modes=model.modes,
@@ -162,7 +162,7 @@ def _hybrid(
     solution = integrate(problem, options)
     end = None
     if stored is not None:
-        end, _ = _measures(model, solution.t_end, solution.x_end, table, p)
+        end, _ = measured(model, solution.t_end, solution.x_end, table, p)
     return _trajectory(model, solution, values, table, _audit(solution, energy, end))
 
 
@@ -229,11 +229,11 @@ def _smooth(
         options=options,
     )
     solution = integrate_smooth(problem)
-    first, _ = _measures(model, span[0], numpy.append(x0, problem.z0), table, p)
+    first, _ = measured(model, span[0], numpy.append(x0, problem.z0), table, p)
     end = None
     if first is not None:
         last = numpy.append(solution.x_end, solution.z_end)
-        end, _ = _measures(model, solution.t_end, last, table, p)
+        end, _ = measured(model, solution.t_end, last, table, p)
     audit = _audit(solution, first or 0.0, end)
     return _smooth_trajectory(model, solution, values, table, audit, solver)
 
@@ -269,7 +269,7 @@ def _grid(t_eval: Any, span: tuple[float, float]) -> numpy.ndarray | None:
     return grid
 
 
-def _measures(
+def measured(
     model: CompiledModel, t: float, x: numpy.ndarray, table: Any, p: numpy.ndarray
 ) -> tuple[float | None, numpy.ndarray]:
     """Return the stored energy, None where unknown, and each state's scale for unit energy."""
