@@ -213,7 +213,7 @@ class ModeSet:
         }
         program = self.program(mask, "mode", {key: results[key] for key in wanted})
         arguments = [casadi.SX.sym(label, len(symbols)) for label, symbols in program.arguments]
-        found = to_casadi(program)(*arguments)
+        found = to_casadi(program, fixed=("p",))(*arguments)
         return arguments, list(found) if isinstance(found, tuple | list) else [found]
 
     def _made(self, mask: int) -> ModeNumbers:
