@@ -161,12 +161,10 @@ class Trajectory:
     def final(self) -> dict[str, float]:
         """States and outputs at the last good time."""
         names = (*self.states, *self.model.equations.outputs)
-        values = self._evaluate(
-            names,
-            numpy.array([self.t_end]),
-            numpy.append(self.x_end, self.z_end).reshape(-1, 1),
-            self.codes_end.reshape(1, -1),
-        )
+        end = numpy.array([self.t_end])
+        solved = numpy.append(self.x_end, self.z_end).reshape(-1, 1)
+        ((mask, (_, arguments)),) = self._sorted(end, solved, self.codes_end[None]).items()
+        values = self.model.signals(mask, names)(*arguments)
         return {name: float(value[0]) for name, value in zip(names, values, strict=True)}
 
     @property
@@ -322,34 +320,37 @@ class Trajectory:
             )
 
     def _along(self, names: tuple[str, ...]) -> Array:
-        """Evaluate signals at all times."""
+        """Evaluate signals at all times, sample by sample in the equations of its own mode."""
+        self._check(names)
+        out = numpy.empty((len(names), len(self.t)))
+        for mask, (here, arguments) in self._by_mode.items():
+            out[:, here] = self.model.signals(mask, names)(*arguments)
+        return out
+
+    @functools.cached_property
+    def _by_mode(self) -> dict[int, tuple[Any, tuple[Array, ...]]]:
+        """Where each mode holds, and there what its signals are functions of."""
         solved = numpy.concatenate([self.x, self.z]) if len(self.z) else self.x
-        return self._evaluate(names, self.t, solved, self.codes)
+        return self._sorted(self.t, solved, self.codes)
 
-    def _evaluate(self, names: tuple[str, ...], t: Array, x: Array, codes: Array) -> Array:
-        """Evaluate signals sample by sample in the equations of the sample's own mode.
+    def _sorted(self, t: Array, x: Array, codes: Array) -> dict[int, tuple[Any, tuple[Array, ...]]]:
+        """Sort samples by mode; algebraic variables follow the states in x."""
+        names = [symbol.name for symbol in self.model.equations.parameters]
+        p = numpy.array([self.parameters[name] for name in names])[:, None]
+        u = at(self.inputs, t)
+        masks = (codes == 0) @ (1 << numpy.arange(codes.shape[1]))
+        found: dict[int, tuple[Any, tuple[Array, ...]]] = {}
+        for mask in numpy.unique(masks).tolist():
+            here = slice(None) if (masks == mask).all() else numpy.flatnonzero(masks == mask)
+            found[mask] = here, (t[None, here], x[:, here], u[:, here], p, codes[here].T)
+        return found
 
-        Algebraic variables follow the states in x.
-        """
+    def _check(self, names: tuple[str, ...]) -> None:
         for name in names:
             try:
                 self.model.expression(self.model.equations, name)
             except KeyError:
                 raise unknown_name("signal", name, self.names) from None
-        out = numpy.empty((len(names), len(t)))
-        p = numpy.array(
-            [self.parameters[symbol.name] for symbol in self.model.equations.parameters]
-        )
-        u = at(self.inputs, t)
-        bits = 1 << numpy.arange(codes.shape[1])
-        masks = ((codes == 0) * bits).sum(axis=1).astype(int)
-        for mask in numpy.unique(masks):
-            here = masks == mask
-            function = self.model.signals(int(mask), names)
-            out[:, here] = function(
-                t[None, here], x[:, here], u[:, here], p[:, None], codes[here].T
-            )
-        return out
 
 
 def _optional(module: str) -> Any:
