@@ -13,7 +13,7 @@ import numpy
 
 from ..errors import BondGraphError, SimulationError
 from ..parameters import unknown_name
-from ..values import parameter_values
+from ..values import algebraic_names, parameter_values
 from .compiled import CompiledModel
 from .ends import Ends, gathered
 from .inputs import at, gather
@@ -111,6 +111,7 @@ def _columns(model: CompiledModel, points: Mapping[str, Any]) -> Columns:
     names = {symbol.name for symbol in equations.graph.parameters}
     inputs = {symbol.name for symbol in equations.graph.inputs}
     states = {symbol.name for symbol in equations.states} | set(equations.outputs)
+    states |= algebraic_names(equations)
     found: Columns = ({}, {}, {})
     lengths = set()
     for name, values in points.items():
@@ -120,7 +121,7 @@ def _columns(model: CompiledModel, points: Mapping[str, Any]) -> Columns:
         lengths.add(len(column))
         place = 0 if name in names else 2 if name in inputs else 1
         if place == 1 and name not in states:
-            raise unknown_name("parameter, state or input", name, names | states | inputs)
+            raise unknown_name("parameter, state or input", name, sorted(names | states | inputs))
         found[place][name] = column
     if len(lengths) != 1:
         raise SimulationError(
