@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import math
 import time
 from typing import Any
 
@@ -52,6 +53,10 @@ _OUTCOMES = (
     Outcome.NON_FINITE,
     Outcome.DIVERGED,
 )
+
+
+class NotYet(Exception):  # an answer to `hybrid`, not an error
+    """A mode without machine code was met, and the run is young."""
 
 
 class NativeRun:
@@ -141,9 +146,14 @@ class NativeRun:
         self.point("iw", np.empty(iw + 1, dtype=np.int64))
         self.point("w", np.empty(w + 1))
 
-    def to_the_end(self, time_budget: float) -> Outcome:
-        """Advance, serving what the driver asks for, until it has an outcome."""
-        deadline = time.monotonic() + time_budget
+    def to_the_end(self, time_budget: float, patience: float) -> Outcome:
+        """Advance, serving what the driver asks for, until it has an outcome.
+
+        Where a mode has no machine code, a run that has taken more than `patience` seconds, or
+        may wait without end, waits for the compiler; a shorter one ends in `NotYet`.
+        """
+        began = time.monotonic()
+        deadline = began + time_budget
         advance, run, address = (
             self.driver.halfarrow_advance,
             self.run,
@@ -158,6 +168,9 @@ class NativeRun:
             if status >= _FIRST_OUTCOME:
                 return _OUTCOMES[status - _FIRST_OUTCOME]
             if status == _NEED_MODE:
+                young = time.monotonic() - began < patience < math.inf
+                if not self.table.at_hand(run.wanted) and young:
+                    raise NotYet
                 self.table.machine_code(run.wanted)
                 self.show_modes()
             elif status == _ROWS_FULL:
