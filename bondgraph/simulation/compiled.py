@@ -26,6 +26,7 @@ from ..modes import ModeEquations, contacts, mode_equations
 from ..parameters import Resolver
 from .mode_set import ModeSet
 from .smooth import SmoothFunctions, smooth_functions
+from .stiffness import Probe
 from .table import ModeFunctions, ModeTable
 
 Array = numpy.ndarray
@@ -199,6 +200,11 @@ class CompiledModel:
     def smooth(self) -> SmoothFunctions:
         """Functions for the integrators of smooth models, contacts and modes aside."""
         return smooth_functions(self.equations, self._parameters())
+
+    @functools.cached_property
+    def stiffness(self) -> Probe:
+        """Tells how stiff a run will be; for models without switching elements."""
+        return Probe(self)
 
     @functools.cached_property
     def stored(self) -> Callable[..., Array] | None:

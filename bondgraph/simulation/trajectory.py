@@ -92,6 +92,10 @@ class Trajectory:
         ``"native"`` or ``"vm"``.
     solver : str
         ``"dopri5"``, ``"cvodes"``, ``"idas"`` or ``"rosenbrock"``.
+    solver_reason : str
+        Why that one, such as "rosenbrock: 3 algebraic variables".
+    remark : str
+        What the run itself adds to its outcome's advice; empty where it has nothing.
     z : (nz, nt) array
         Algebraic variables, ordered as ``model.equations.algebraic``.
     """
@@ -113,6 +117,8 @@ class Trajectory:
     solver: str = "dopri5"
     z: Array = field(default_factory=lambda: numpy.zeros((0, 1)))
     z_end: Array = field(default_factory=lambda: numpy.zeros(0))
+    solver_reason: str = ""
+    remark: str = ""
 
     def __getitem__(self, name: str) -> Array:
         """Return a signal at all times, of shape (nt,)."""
@@ -126,6 +132,11 @@ class Trajectory:
             f"Trajectory({self.model.equations.name!r}, {self.outcome.value} at {self.t_end:g} s, "
             f"{len(self.t)} samples, {len(self.events)} events)"
         )
+
+    @property
+    def advice(self) -> str:
+        """What happened at the end, and what to do about it."""
+        return "; ".join(filter(None, (self.outcome.advice, self.remark)))
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -237,6 +248,7 @@ class Trajectory:
             "model": self.model.equations.name,
             "outcome": self.outcome.value,
             "solver": self.solver,
+            "solver_reason": self.solver_reason,
             "t_end": self.t_end,
             **{f"parameter {name}": value for name, value in self.parameters.items()},
         }
