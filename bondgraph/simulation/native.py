@@ -33,7 +33,9 @@ class _Run(ctypes.Structure):
         *_fields(ctypes.c_longlong, "n m k n_knots n_eval n_modes row_capacity event_capacity"),
         *_fields(ctypes.c_longlong, "max_steps max_events"),
         *_fields(ctypes.c_double, "t_end rtol max_step bound energy0 slice"),
-        *_fields(ctypes.c_void_p, "x0 parameters atol weights knots values t_eval hold modes"),
+        *_fields(
+            ctypes.c_void_p, "x0 parameters atol weights knots values shapes t_eval jumps modes"
+        ),
         *_fields(ctypes.c_void_p, "iw w rows row_codes events event_codes x_end code"),
         *_fields(ctypes.c_void_p, "work flags"),
         *_fields(ctypes.c_double, "t"),
@@ -74,7 +76,7 @@ class NativeRun:
         self.memory = ctypes.create_string_buffer(self.driver.halfarrow_run_size())
         self.run = run = _Run.from_buffer(self.memory)
         self.kept: dict[str, Any] = {}
-        _, knots, values, linear = problem.input_table()
+        _, knots, values, shapes, jumps = problem.input_table()
         t_eval = options.t_eval
         run.n, run.m, run.k, run.n_knots = n, problem.modes.m, k, len(knots)
         run.n_eval = 0 if t_eval is None else len(t_eval)
@@ -93,7 +95,8 @@ class NativeRun:
         self.point("weights", problem.weights_or_zero())
         self.point("knots", knots)
         self.point("values", values)
-        self.point("hold", linear.view(np.int8))
+        self.point("shapes", shapes)
+        self.point("jumps", jumps)
         if t_eval is not None:
             self.point("t_eval", t_eval if len(t_eval) else np.zeros(1))
         self.point("work", np.empty(self.driver.halfarrow_work_size(n, run.m, k)))

@@ -794,7 +794,8 @@ def test_bad_combinations_are_refused(belt_modes):
         ([0, 0], [[1], [2]], [0], "increase"),
         ([0, 1], [[1]], [0], "needs"),
         ([0], [[math.nan]], [0], "finite"),
-        ([0], [[1]], [2], "zero order"),
+        ([0], [[1]], [3], "zero order"),
+        ([0, 1], [[1], [2]], [2], "coefficients"),
         ([], np.zeros((0, 1)), [0], "needs"),
     ],
 )
