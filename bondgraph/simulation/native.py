@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import math
 import time
 from typing import Any
 
@@ -32,7 +33,9 @@ class _Run(ctypes.Structure):
         *_fields(ctypes.c_longlong, "n m k n_knots n_eval n_modes row_capacity event_capacity"),
         *_fields(ctypes.c_longlong, "max_steps max_events"),
         *_fields(ctypes.c_double, "t_end rtol max_step bound energy0 slice"),
-        *_fields(ctypes.c_void_p, "x0 parameters atol weights knots values t_eval hold modes"),
+        *_fields(
+            ctypes.c_void_p, "x0 parameters atol weights knots values shapes t_eval jumps modes"
+        ),
         *_fields(ctypes.c_void_p, "iw w rows row_codes events event_codes x_end code"),
         *_fields(ctypes.c_void_p, "work flags"),
         *_fields(ctypes.c_double, "t"),
@@ -59,6 +62,10 @@ OUTCOMES = dict(
 )
 
 
+class NotYet(Exception):  # an answer to `hybrid`, not an error
+    """A mode without machine code was met, and the run is young."""
+
+
 class NativeRun:
     """One run of driver.c: its memory, and the service it asks for.
 
@@ -75,7 +82,7 @@ class NativeRun:
         self.run = run = _Run.from_buffer(self.memory)
         self.address = ctypes.addressof(self.memory)
         self.kept: dict[str, Any] = {}
-        _, knots, values, linear = problem.input_table()
+        _, knots, values, shapes, jumps = problem.input_table()
         t_eval = options.t_eval
         run.n, run.m, run.k, run.n_knots = n, problem.modes.m, k, len(knots)
         run.n_eval = 0 if t_eval is None else len(t_eval)
@@ -94,7 +101,8 @@ class NativeRun:
         self.point("weights", problem.weights_or_zero())
         self.point("knots", knots)
         self.point("values", values)
-        self.point("hold", linear.view(np.int8))
+        self.point("shapes", shapes)
+        self.point("jumps", jumps)
         if t_eval is not None:
             self.point("t_eval", t_eval if len(t_eval) else np.zeros(1))
         self.point("work", np.empty(self.driver.halfarrow_work_size(n, run.m, k)))
@@ -147,9 +155,14 @@ class NativeRun:
         self.point("iw", np.empty(iw + 1, dtype=np.int64))
         self.point("w", np.empty(w + 1))
 
-    def to_the_end(self, time_budget: float) -> Outcome:
-        """Advance, serving what the driver asks for, until it has an outcome."""
-        deadline = time.monotonic() + time_budget
+    def to_the_end(self, time_budget: float, patience: float) -> Outcome:
+        """Advance, serving what the driver asks for, until it has an outcome.
+
+        Where a mode has no machine code, a run that has taken more than `patience` seconds, or
+        may wait without end, waits for the compiler; a shorter one ends in `NotYet`.
+        """
+        began = time.monotonic()
+        deadline = began + time_budget
         advance, run, address = self.driver.halfarrow_advance, self.run, self.address
         while True:
             left = deadline - time.monotonic()
@@ -159,6 +172,9 @@ class NativeRun:
             status = advance(address)
             if status in OUTCOMES:
                 return OUTCOMES[status]
+            young = time.monotonic() - began < patience < math.inf
+            if status == _NEED_MODE and young and not self.table.at_hand(run.wanted):
+                raise NotYet
             self.serve(status)
 
     def serve(self, status: int) -> None:

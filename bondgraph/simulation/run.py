@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any, Literal
 
 import numpy
@@ -24,7 +25,7 @@ from .smooth import (
     integrate_smooth,
     tabled,
 )
-from .solvers import choose
+from .solvers import Choice, Start, choose, stiff_advice
 from .switched import imposed_before, integrate_switched, mask_of
 from .trajectory import Energy, Trajectory
 
@@ -88,8 +89,9 @@ def simulate(
     solver : {"auto", "dopri5", "cvodes", "idas", "rosenbrock"}
         dopri5, explicit, locates events; the others, by CasADi, are for stiff
         models without contacts: cvodes for those without algebraic variables,
-        idas and rosenbrock with or without. Auto takes dopri5 where it can,
-        else rosenbrock.
+        idas and rosenbrock with or without. Auto takes rosenbrock for models that
+        keep algebraic variables or are stiff near the start, else dopri5;
+        `Trajectory.solver_reason` tells.
 
     Returns
     -------
@@ -111,7 +113,7 @@ def simulate(
     model = graph if isinstance(graph, CompiledModel) else CompiledModel(graph)
     span = _span(t_span)
     equations = model.equations
-    chosen = choose(model, solver, backend)
+    choose(model, solver, backend)  # first, to refuse what cannot be before looking at numbers
     values = parameter_values(equations, parameters, model.resolver)
     table = gather(equations, inputs, switched=model.switched)
     x0 = numpy.array(model.initial_state(values, initial), dtype=float)
@@ -127,14 +129,27 @@ def simulate(
         backend=backend,
     )
     try:
-        if chosen == "dopri5":
-            return _hybrid(model, (span, x0, p), values, table, options)
+        choice = choose(model, solver, backend, Start(span, x0, p, table))
+        if choice.solver == "dopri5":
+            run = _hybrid(model, (span, x0, p), values, table, options)
+            return _reasoned(run, choice, span)
         guess = numpy.array(algebraic_guess(equations, initial))
-        return _smooth(model, (span, x0, p), values, (table, guess), options, chosen)
+        run = _smooth(model, (span, x0, p), values, (table, guess), options, choice.solver)
+        return _reasoned(run, choice, span)
     except ProgramError as error:
         raise SimulationError(
             f"model {equations.name!r} cannot be turned into numbers: {error}"
         ) from None
+
+
+def _reasoned(run: Trajectory, choice: Choice, span: tuple[float, float]) -> Trajectory:
+    """Say why the solver was taken, and which would have come further."""
+    remark = ""
+    if choice.solver == "dopri5" and not run.outcome.ok:
+        p = numpy.array([run.parameters[s.name] for s in run.model.equations.parameters])
+        end = Start(span, run.x_end, p, run.inputs)
+        remark = stiff_advice(run.model, run.outcome, end)
+    return replace(run, solver_reason=choice.reason, remark=remark)
 
 
 def _hybrid(

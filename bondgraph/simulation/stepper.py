@@ -112,7 +112,7 @@ class Stepper:
         self.model = model
         self.parameters = problem.parameters
         self.options = options
-        self.inputs, self.knots, self.values, self.linear = problem.input_table()
+        self.inputs, self.knots, self.values, self.shapes, self.jumps = problem.input_table()
         self.t_eval: Array | None = options.t_eval
         self.weights, self.energy0 = problem.weights_or_zero(), float(problem.energy0)
         self.t, self.t_end = float(problem.t_span[0]), float(problem.t_span[1])
@@ -174,9 +174,8 @@ class Stepper:
         i = self.knot
         if i < 0 or i + 1 >= len(self.knots):
             return self.values[max(i, 0)] if len(self.values) else np.zeros(0)
-        left, right = self.values[i], self.values[i + 1]
-        slope = np.where(self.linear, (right - left) / (self.knots[i + 1] - self.knots[i]), 0.0)
-        return left + (t - self.knots[i]) * slope
+        s, (slope, bend, twist) = t - self.knots[i], self.shapes[i]
+        return self.values[i] + s * (slope + s * (bend + s * twist))
 
     def functions(self, code: Array) -> tuple[Model, Model]:
         """Of the mode in which exactly the switches with code 0 stick."""
@@ -621,9 +620,7 @@ class Stepper:
     def cross_knot(self) -> None:
         """Into the next interval of the input table; only a jump needs more than that."""
         self.knot += 1
-        i = self.knot
-        held = ~self.linear
-        if i > 0 and np.any(self.values[i][held] != self.values[i - 1][held]):
+        if self.jumps[self.knot]:
             self.keep_step = True
             self.classify()
 

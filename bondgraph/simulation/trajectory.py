@@ -96,6 +96,10 @@ class Trajectory:
         ``"native"`` or ``"vm"``.
     solver : str
         ``"dopri5"``, ``"cvodes"``, ``"idas"`` or ``"rosenbrock"``.
+    solver_reason : str
+        Why that one, such as "rosenbrock: 3 algebraic variables".
+    remark : str
+        What the run itself adds to its outcome's advice; empty where it has nothing.
     z : (nz, nt) array
         Algebraic variables, ordered as ``model.equations.algebraic``.
     """
@@ -117,6 +121,8 @@ class Trajectory:
     solver: str = "dopri5"
     z: Array = field(default_factory=lambda: numpy.zeros((0, 1)))
     z_end: Array = field(default_factory=lambda: numpy.zeros(0))
+    solver_reason: str = ""
+    remark: str = ""
 
     def __getitem__(self, name: str) -> Array:
         """Return a signal at all times, of shape (nt,)."""
@@ -146,6 +152,11 @@ class Trajectory:
             )
             for change in self.changes
         )
+
+    @property
+    def advice(self) -> str:
+        """What happened at the end, and what to do about it."""
+        return "; ".join(filter(None, (self.outcome.advice, self.remark)))
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -255,6 +266,7 @@ class Trajectory:
             "model": self.model.equations.name,
             "outcome": self.outcome.value,
             "solver": self.solver,
+            "solver_reason": self.solver_reason,
             "t_end": self.t_end,
             **{f"parameter {name}": value for name, value in self.parameters.items()},
         }
