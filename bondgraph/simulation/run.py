@@ -108,6 +108,44 @@ def simulate(
     >>> run.outcome.value, run.events[0].to_mode
     ('finished', 'stick')
     """
+    return carried_out(
+        graph,
+        t_span,
+        parameters,
+        initial,
+        inputs,
+        t_eval,
+        rtol,
+        atol=atol,
+        max_step=max_step,
+        max_events=max_events,
+        max_steps=max_steps,
+        time_budget=time_budget,
+        backend=backend,
+        solver=solver,
+        record=False,
+    )
+
+
+def carried_out(
+    graph: BondGraph | CausalGraph | CompiledModel,
+    t_span: tuple[float, float] | float,
+    parameters: Mapping[Any, Any] | None,
+    initial: Mapping[Any, Any] | None,
+    inputs: Mapping[Any, Any] | None,
+    t_eval: Any,
+    rtol: float,
+    *,
+    atol: float,
+    max_step: float,
+    max_events: int,
+    max_steps: int,
+    time_budget: float,
+    backend: Literal["auto", "native", "vm"],
+    solver: Literal["auto", "dopri5", "cvodes", "idas", "rosenbrock"],
+    record: bool,
+) -> Trajectory:
+    """Simulate as `simulate` says; ``record`` keeps every step in the trajectory."""
     model = graph if isinstance(graph, CompiledModel) else CompiledModel(graph)
     span = _span(t_span)
     equations = model.equations
@@ -125,6 +163,7 @@ def simulate(
         time_budget=time_budget,
         t_eval=_grid(t_eval, span),
         backend=backend,
+        record=record,
     )
     try:
         if chosen == "dopri5":
@@ -325,6 +364,7 @@ def _trajectory(
         inputs=table,
         x_end=solution.x_end,
         codes_end=solution.codes_end,
+        record=solution if solution.record is not None else None,
     )
 
 

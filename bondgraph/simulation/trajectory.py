@@ -19,6 +19,8 @@ if TYPE_CHECKING:
     import pandas
     import xarray
 
+    from .problem import Solution
+
 Array = numpy.ndarray
 
 
@@ -94,6 +96,8 @@ class Trajectory:
         ``"dopri5"``, ``"cvodes"``, ``"idas"`` or ``"rosenbrock"``.
     z : (nz, nt) array
         Algebraic variables, ordered as ``model.equations.algebraic``.
+    record : bondgraph.simulation.problem.Solution or None
+        With every step, where they were kept: for `sensitivities`.
     """
 
     t: Array
@@ -113,6 +117,7 @@ class Trajectory:
     solver: str = "dopri5"
     z: Array = field(default_factory=lambda: numpy.zeros((0, 1)))
     z_end: Array = field(default_factory=lambda: numpy.zeros(0))
+    record: Solution | None = field(default=None, repr=False)
 
     def __getitem__(self, name: str) -> Array:
         """Return a signal at all times, of shape (nt,)."""
