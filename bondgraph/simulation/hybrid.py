@@ -106,7 +106,6 @@ def solution_of(stepper: Stepper, outcome: Outcome) -> Solution:
         (stepper.steps, stepper.rejected, stepper.evaluations),
         "vm",
         None if stepper.record is None else np.array(stepper.record).reshape(-1, n + 3),
-        stepper.t_eval,
     )
 
 
@@ -131,7 +130,6 @@ def _integrate_native(problem: Problem, options: Options) -> Solution:
         (run.steps, run.rejected, run.evaluations),
         "native",
         kept["record"][: run.record_count] if options.record else None,
-        options.t_eval,
     )
 
 
@@ -147,7 +145,6 @@ def _solution(
     counts: tuple[int, int, int],
     backend: Literal["native", "vm"],
     record: Array | None,
-    t_eval: Array | None,
 ) -> Solution:
     n = rows.shape[1] - 3
     t_end, x_end, codes_end = end
@@ -169,5 +166,4 @@ def _solution(
         rhs_evals=counts[2],
         backend=backend,
         record=record,
-        t_eval=t_eval,
     )

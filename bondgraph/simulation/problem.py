@@ -193,8 +193,6 @@ class Solution:
     backend : {"native", "vm"}
     record : (ns, n + 3) array or None
         Of every step: time and length, events before it, state at its start.
-    t_eval : (nt,) array or None
-        The output times asked for.
     """
 
     t: Array
@@ -214,7 +212,6 @@ class Solution:
     rhs_evals: int
     backend: Literal["native", "vm"]
     record: Array | None = None
-    t_eval: Array | None = None
 
 
 def _doubles(values: Any) -> Array:

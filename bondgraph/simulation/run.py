@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any, Literal
 
 import numpy
@@ -26,7 +27,7 @@ from .smooth import (
 )
 from .solvers import choose
 from .switched import imposed_before, integrate_switched, mask_of
-from .trajectory import Energy, Event, Trajectory
+from .trajectory import Energy, Event, Kept, Trajectory
 
 
 def simulate(
@@ -200,7 +201,8 @@ def _hybrid(
     )
     solution = integrate(problem, options)
     end = stored(solution.t_end, solution.x_end) if stored else None
-    return _trajectory(model, solution, values, table, _audit(solution, energy, end))
+    trajectory = _trajectory(model, solution, values, table, _audit(solution, energy, end))
+    return _with_steps(trajectory, Kept(problem, options, solution))
 
 
 def _searched(
@@ -241,7 +243,8 @@ def _searched(
         stored(solution.t_end, solution.x_end, solution.codes_end),
     )
     audit = _audit(solution, energies[0] or 0.0, energies[1])
-    return _trajectory(model, solution, values, table, audit)
+    trajectory = _trajectory(model, solution, values, table, audit)
+    return _with_steps(trajectory, Kept(problem, options, solution))
 
 
 def _smooth(
@@ -272,7 +275,12 @@ def _smooth(
         first = stored(span[0], numpy.append(x0, problem.z0))
         ends = first, stored(solution.t_end, numpy.append(solution.x_end, solution.z_end))
     audit = _audit(solution, ends[0] or 0.0, ends[1])
-    return _smooth_trajectory(model, solution, values, table, audit, solver)
+    trajectory = _smooth_trajectory(model, solution, values, table, audit, solver)
+    return _with_steps(trajectory, Kept(problem, options))
+
+
+def _with_steps(trajectory: Trajectory, kept: Kept) -> Trajectory:
+    return replace(trajectory, kept=kept) if kept.options.record else trajectory
 
 
 def _span(t_span: Any) -> tuple[float, float]:
@@ -364,7 +372,6 @@ def _trajectory(
         inputs=table,
         x_end=solution.x_end,
         codes_end=solution.codes_end,
-        record=solution if solution.record is not None else None,
     )
 
 

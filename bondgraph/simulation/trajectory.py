@@ -19,7 +19,8 @@ if TYPE_CHECKING:
     import pandas
     import xarray
 
-    from .problem import Solution
+    from .problem import Options, Problem, Solution
+    from .smooth import SmoothProblem
 
 Array = numpy.ndarray
 
@@ -67,6 +68,23 @@ class Energy:
 
 
 @dataclass(frozen=True, eq=False)
+class Kept:
+    """What a run was made from, and how it went.
+
+    Attributes
+    ----------
+    problem : Problem or SmoothProblem
+    options : Options
+    solution : Solution or None
+        With its steps; None for a smooth model.
+    """
+
+    problem: Problem | SmoothProblem
+    options: Options
+    solution: Solution | None = None
+
+
+@dataclass(frozen=True, eq=False)
 class Trajectory:
     """Result of a simulation.
 
@@ -96,8 +114,8 @@ class Trajectory:
         ``"dopri5"``, ``"cvodes"``, ``"idas"`` or ``"rosenbrock"``.
     z : (nz, nt) array
         Algebraic variables, ordered as ``model.equations.algebraic``.
-    record : bondgraph.simulation.problem.Solution or None
-        With every step, where they were kept: for `sensitivities`.
+    kept : Kept or None
+        What the run was made from, where `sensitivities` asked for it.
     """
 
     t: Array
@@ -117,7 +135,7 @@ class Trajectory:
     solver: str = "dopri5"
     z: Array = field(default_factory=lambda: numpy.zeros((0, 1)))
     z_end: Array = field(default_factory=lambda: numpy.zeros(0))
-    record: Solution | None = field(default=None, repr=False)
+    kept: Kept | None = field(default=None, repr=False)
 
     def __getitem__(self, name: str) -> Array:
         """Return a signal at all times, of shape (nt,)."""

@@ -11,6 +11,7 @@ from .tangents import TangentTable
 
 if TYPE_CHECKING:
     from ..compiled import CompiledModel
+    from ..smooth import SmoothFunctions
 
 
 class ForwardModel:
@@ -28,12 +29,21 @@ class ForwardModel:
     def __init__(self, model: CompiledModel) -> None:
         self._model = model
         self.signals = SignalSlopes(model)
+        self._beside: dict[int, SmoothFunctions] = {}
         self._seeds: dict[tuple[tuple[str, ...], frozenset[str], frozenset[str]], Seeds] = {}
 
     @functools.cached_property
     def tangents(self) -> TangentTable:
         """Derivatives of the modes."""
         return TangentTable(self._model.modes)
+
+    def beside(self, q: int) -> SmoothFunctions:
+        """Return functions of a smooth model together with q columns of sensitivities."""
+        if q not in self._beside:
+            from .smooth import augmented
+
+            self._beside[q] = augmented(self._model.smooth, q)
+        return self._beside[q]
 
     def seeds(
         self, wrt: tuple[str, ...], overridden: tuple[str, ...], initial: tuple[str, ...]

@@ -21,6 +21,7 @@ from .project import Projector
 from .replay import PythonReplay
 from .result import Sensitivities
 from .seeds import chosen, names_of
+from .smooth import beside
 from .value import Replayed, Travelled, Undefined
 
 if TYPE_CHECKING:
@@ -125,7 +126,9 @@ def sensitivities(
     forward: ForwardModel = model.forward
     seeds = forward.seeds(names, names_of(parameters or {}), names_of(initial or {}))
     deadline = began + time_budget
-    return _replayed(forward, trajectory, names, seeds, deadline, rtol)
+    if trajectory.solver != "dopri5":
+        return beside(forward.beside(len(names)), trajectory, names, seeds, deadline)
+    return _replayed(forward, trajectory, names, seeds, deadline)
 
 
 def _replayed(
@@ -134,9 +137,8 @@ def _replayed(
     names: tuple[str, ...],
     seeds: Any,
     deadline: float,
-    rtol: float,
 ) -> Sensitivities:
-    travelled = _travelled(run, seeds, rtol)
+    travelled = _travelled(run, seeds)
     try:
         found = _replay(forward, run, travelled, deadline)
     except Undefined as failure:
@@ -152,8 +154,9 @@ def _replayed(
     )
 
 
-def _travelled(run: Trajectory, seeds: Any, rtol: float) -> Travelled:
-    solution = run.record
+def _travelled(run: Trajectory, seeds: Any) -> Travelled:
+    assert run.kept is not None
+    solution, options = run.kept.solution, run.kept.options
     assert solution is not None and solution.record is not None
     steps, n = solution.record, len(run.x_end)
     end = numpy.concatenate([[run.t_end, 0.0, len(solution.events)], run.x_end])
@@ -171,11 +174,11 @@ def _travelled(run: Trajectory, seeds: Any, rtol: float) -> Travelled:
         codes=codes,
         parameters=p,
         inputs=run.inputs,
-        t_eval=solution.t_eval,
+        t_eval=options.t_eval,
         rows=len(run.t),
         seeds=by_p,
         start=by_x,
-        least=min(max(NOISE * rtol, LEAST), MOST),
+        least=min(max(NOISE * options.rtol, LEAST), MOST),
     )
 
 
