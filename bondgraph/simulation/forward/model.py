@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from .seeds import Seeds
 from .signals import SignalSlopes
+from .switched import SwitchedTangents
 from .tangents import TangentTable
 
 if TYPE_CHECKING:
@@ -36,6 +37,13 @@ class ForwardModel:
     def tangents(self) -> TangentTable:
         """Derivatives of the modes."""
         return TangentTable(self._model.modes)
+
+    @functools.cached_property
+    def switched(self) -> SwitchedTangents:
+        """Derivatives of the modes of a switched model."""
+        equations = self._model.equations
+        sizes = len(equations.states), len(equations.inputs), len(equations.parameters)
+        return SwitchedTangents(self._model.mode_set, sizes)
 
     def beside(self, q: int) -> SmoothFunctions:
         """Return functions of a smooth model together with q columns of sensitivities."""

@@ -243,15 +243,14 @@ static i64 cross(Replay *r, const Mode *then, double t, i64 last)
     for (i64 e = first; e < last; e++) {
         const i64 j = r->events[3 * e];
         const double away = fabs(r->out[j] / r->out[k + j]);
-        if (away < soonest) {
+        const int falls = r->out[k + j] < -r->least * r->out[2 * k + j];
+        if (falls && away < soonest) {
             soonest = away;
             fired = j;
         }
     }
     r->culprit = r->events[3 * first];
     if (fired < 0) return GRAZING;
-    r->culprit = fired;
-    if (!(r->out[k + fired] < -r->least * r->out[2 * k + fired])) return GRAZING;
     crossing(r, fired, dt);
     for (i64 e = first; e < last; e++) {
         const i64 j = r->events[3 * e];

@@ -158,6 +158,16 @@ class PythonReplay:
 
     # ------------------------------------------------------------------ events
 
+    def stand(self, t: float, row: Array, then: Array) -> None:
+        """The modes at a given time: contacts that begin to stick then allow no slip."""
+        if numpy.any((then == 0) & ((self.codes != 0) | (not self.begun))):
+            S = self.state[self.n :].reshape(self.n, self.q)
+            self.state[self.n :] = self.project(t, row[3:], then, S, self.seeds).ravel()
+
+    def rows_due(self, last: int) -> int:
+        """Rows of a run without output times that stand after its events up to `last`."""
+        return int(self.t_eval is None and (not self.begun or last > self.events_done))
+
     def arrive(self, row: Array, *, at_end: bool) -> None:
         """At the start of a step, or at the end of all: events there, and jumps of inputs."""
         t, last = float(row[0]), int(row[2])
@@ -168,18 +178,15 @@ class PythonReplay:
         then = self.codes.copy()
         for switch, _, after in self.given.events[self.events_done : last]:
             then[switch] = after
-        held = numpy.zeros(len(then), dtype=bool)
+        due = self.rows_due(last)
         if self.begun and not jump:
-            self.cross(t, then, last)
+            self.cross(t, row, then, last)
         else:
-            held = (then == 0) & ((self.codes != 0) | (not self.begun))
-        due = self.t_eval is None and (not self.begun or last > self.events_done)
+            self.knot = knot
+            self.stand(t, row, then)
         self.events_done, self.knot, self.begun, self.codes = last, knot, True, then
         self.mode = self.functions(then)
-        if held.any():
-            S = self.state[self.n :].reshape(self.n, self.q)
-            self.state[self.n :] = self.project(t, row[3:], then, S, self.seeds).ravel()
-        if due:
+        for _ in range(due):
             self.put_row(self.state[self.n :])
         if not at_end:
             self.K[0] = self.rates(t, self.state)
@@ -196,19 +203,29 @@ class PythonReplay:
                 jump |= bool(numpy.any(table.values[knot][held] != table.values[knot - 1][held]))
         return knot, jump
 
-    def cross(self, t: float, then: Array, last: int) -> None:
+    def cross(self, t: float, row: Array, then: Array, last: int) -> None:
         """The event of the switches of the log up to `last`: derivative of its time, jump of S."""
-        n, k, p = self.n, len(then), self.given.parameters
+        n = self.n
+        x, before = self.state[:n], self.K[0, :n]
+        dt = self.crossing(t, last)
+        p, u = self.given.parameters, self.inputs(t)[0]
+        after = self.functions(then)[0](t, x, u, p, then)[:n]
+        S = self.state[n:].reshape(n, self.q)
+        S += (before - after)[:, None] * dt
+
+    def crossing(self, t: float, last: int) -> Array:
+        """Derivative of the time of an event, by whichever of its switches fired, shape (q,)."""
+        n, k, p = self.n, len(self.codes), self.given.parameters
         x, before = self.state[:n], self.K[0, :n]
         u, slope = self.inputs(t)
         found = self.mode[1](t, x, numpy.concatenate([u, before, slope]), p, self.codes)
         rate, size = found[k : 2 * k], found[2 * k : 3 * k]
         away = numpy.abs(found[:k] / rate)
         switches = [int(event[0]) for event in self.given.events[self.events_done : last]]
-        near = [away[j] if numpy.isfinite(away[j]) else numpy.inf for j in switches]
-        fired = switches[int(numpy.argmin(near))]
-        if not rate[fired] < -self.given.least * size[fired]:
-            raise Undefined(GRAZING, t, fired)
+        falling = [j for j in switches if rate[j] < -self.given.least * size[j]]
+        if not falling:
+            raise Undefined(GRAZING, t, switches[0])
+        fired = min(falling, key=lambda j: away[j])
         crossings = -self.spread(self.mode[3], found[3 * k :], self.state[n:], k) / rate[:, None]
         dt = crossings[fired]
         for j in switches:
@@ -218,6 +235,4 @@ class PythonReplay:
                 if not numpy.all(numpy.abs(other - dt) <= allowed):
                     raise Undefined(AMBIGUOUS, t, j)
         self.event_rows[self.events_done : last] = dt
-        after = self.functions(then)[0](t, x, u, p, then)[:n]
-        S = self.state[n:].reshape(n, self.q)
-        S += (before - after)[:, None] * dt
+        return dt

@@ -22,6 +22,7 @@ from .replay import PythonReplay
 from .result import Sensitivities
 from .seeds import chosen, names_of
 from .smooth import beside
+from .switched import SwitchedReplay
 from .value import Replayed, Travelled, Undefined
 
 if TYPE_CHECKING:
@@ -158,7 +159,7 @@ def _travelled(run: Trajectory, seeds: Any) -> Travelled:
     assert run.kept is not None
     solution, options = run.kept.solution, run.kept.options
     assert solution is not None and solution.record is not None
-    steps, n = solution.record, len(run.x_end)
+    steps = solution.record
     end = numpy.concatenate([[run.t_end, 0.0, len(solution.events)], run.x_end])
     record = numpy.concatenate([steps, end[None]])
     events = numpy.array([event[1:4] for event in solution.events], dtype=int).reshape(-1, 3)
@@ -167,7 +168,7 @@ def _travelled(run: Trajectory, seeds: Any) -> Travelled:
         codes[switch] = before
     model = run.model
     p = numpy.array([run.parameters[symbol.name] for symbol in model.equations.parameters])
-    by_p, by_x = seeds(run.parameters, record[0, 3 : 3 + n])
+    by_p, by_x = seeds(run.parameters, run.kept.problem.x0)
     return Travelled(
         record=record,
         events=events,
@@ -182,23 +183,27 @@ def _travelled(run: Trajectory, seeds: Any) -> Travelled:
     )
 
 
+def _too_late() -> SimulationError:
+    return SimulationError(
+        "the seconds allowed were used up before the sensitivities were done; raise time_budget, "
+        "loosen rtol or shorten the time span"
+    )
+
+
 def _replay(
     forward: ForwardModel, run: Trajectory, travelled: Travelled, deadline: float
 ) -> Replayed:
+    if run.model.switched:
+        assert run.kept is not None
+        x0 = run.kept.problem.x0
+        return SwitchedReplay(forward.switched, travelled, x0).to_the_end(deadline, _too_late)
     table = forward.tangents
     project = Projector(
         table, travelled.parameters, lambda t: at(run.inputs, numpy.array([t]))[:, 0]
     )
-
-    def too_late() -> Exception:
-        return SimulationError(
-            "the seconds allowed were used up before the sensitivities were done; raise "
-            "time_budget, loosen rtol or shorten the time span"
-        )
-
     if run.backend == "native":
         try:
-            return NativeReplay(table, travelled, project).to_the_end(deadline, too_late)
+            return NativeReplay(table, travelled, project).to_the_end(deadline, _too_late)
         except CompileError as failure:
             log.warning("sensitivities without compiled code, slower: %s", failure)
-    return PythonReplay(table, travelled, project).to_the_end(deadline, too_late)
+    return PythonReplay(table, travelled, project).to_the_end(deadline, _too_late)

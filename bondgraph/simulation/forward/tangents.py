@@ -151,26 +151,54 @@ class TangentTable:
 def _differentiated(modes: ModeTable, mask: int) -> ModeTangent:
     import casadi
 
-    mode, n = modes.functions(mask), modes.n
+    mode = modes.functions(mask)
     given = [casadi.SX.sym(label, mode.rhs.numel_in(i)) for i, label in enumerate("txups")]
-    t, x, u, p, s = given
-    by = casadi.vertcat(x, p)
-    rates = mode.rhs(*given)[:n]
-    slopes, entries = _sparse(casadi.jacobian(rates, by))
+    guards = mode.guard(*given)[: modes.k] if modes.k else None
+    return tangent_of(given, mode.rhs(*given)[: modes.n], guards)
+
+
+def tangent_of(given: list[casadi.SX], rates: casadi.SX, guards: casadi.SX | None, held: Any = None) -> ModeTangent:
+    """Differentiate rates and guards.
+
+    Parameters
+    ----------
+    given : list of casadi.SX
+        ``t, x, u, p, s``, and z where there are algebraic variables.
+    rates, guards : casadi.SX
+        Shapes (n,) and (k,).
+    held : casadi.SX, optional
+        The residuals that z makes zero.
+    """
+    import casadi
+
+    t, x, u, p, *rest = given
+    place = casadi.vertcat(x, p, u, t)
+    follows = None
+    if held is not None and held.numel():
+        z = rest[1]
+        inner, outer = casadi.jacobian(held, z), casadi.jacobian(held, place)
+        follows = -casadi.solve(casadi.densify(inner), casadi.densify(outer))
+
+    def total(results: casadi.SX) -> casadi.SX:
+        direct = casadi.jacobian(results, place)
+        return direct if follows is None else direct + casadi.jacobian(results, rest[1]) @ follows
+
+    count = x.numel() + p.numel()
+    slopes, entries = _sparse(total(rates)[:, :count])
     function = casadi.Function("rates", given, [casadi.densify(casadi.vertcat(rates, slopes))])
-    if not modes.k:
+    if guards is None:
         return ModeTangent(function, entries)
-    g = mode.guard(*given)[: modes.k]
-    moves = casadi.SX.sym("d", n + modes.m)
-    slope = casadi.jacobian(g, casadi.vertcat(x, u))
-    in_time = casadi.jacobian(g, t)
+    moves = casadi.SX.sym("d", x.numel() + u.numel())
+    by = total(guards)
+    slope = casadi.horzcat(by[:, : x.numel()], by[:, count : count + u.numel()])
+    in_time = by[:, -1]
     rate = slope @ moves + in_time
     size = casadi.fabs(slope) @ casadi.fabs(moves) + casadi.fabs(in_time)
-    parts, where = _sparse(casadi.jacobian(g, by))
+    parts, where = _sparse(by[:, :count])
     surface = casadi.Function(
         "surface",
-        [t, x, casadi.vertcat(u, moves), p, s],
-        [casadi.densify(casadi.vertcat(g, rate, size, parts))],
+        [t, x, casadi.vertcat(u, moves), p, *rest],
+        [casadi.densify(casadi.vertcat(guards, rate, size, parts))],
     )
     return ModeTangent(function, entries, surface, where)
 

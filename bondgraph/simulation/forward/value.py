@@ -14,6 +14,7 @@ Array = numpy.ndarray
 Projection = Callable[[float, Array, Array, Array, Array], Array]
 
 GRAZING, AMBIGUOUS, NON_FINITE = "grazing", "ambiguous", "non-finite"
+UNTOLD = "untold"
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,7 +80,7 @@ class Undefined(Exception):  # an answer within this folder, not an error
 
     Attributes
     ----------
-    why : {"grazing", "ambiguous", "non-finite"}
+    why : {"grazing", "ambiguous", "non-finite", "untold"}
     t : float
     switch : int
         Meaningless where the sensitivities themselves are no numbers.
@@ -97,6 +98,13 @@ class Undefined(Exception):  # an answer within this folder, not an error
                 f"finite slope there (such as sqrt(x) at 0), or they overflow; shorten the run"
             )
         name = names[self.switch]
+        if self.why == UNTOLD:
+            return SimulationError(
+                f"the state jumps at t = {self.t:.9g} s, where {name!r} changes its mode, in more "
+                f"than one impact at once; sensitivities follow one jump at a time: differentiate "
+                f"the run up to there",
+                elements=[name],
+            )
         if self.why == GRAZING:
             return SimulationError(
                 f"{name!r} changes its mode at t = {self.t:.9g} s in a grazing contact: its margin "
