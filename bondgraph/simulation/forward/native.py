@@ -10,7 +10,7 @@ from typing import Any
 import numpy
 
 from ..problem import InputTable
-from .tangents import TangentTable, load_replay
+from .tangents import TangentTable
 from .value import AMBIGUOUS, GRAZING, NON_FINITE, Array, Projection, Replayed, Travelled, Undefined
 
 STEPS_AT_ONCE = 4096  # between two looks at the clock and at Ctrl-C
@@ -61,7 +61,7 @@ class NativeReplay:
 
     def __init__(self, table: TangentTable, travelled: Travelled, project: Projection) -> None:
         self.table, self.travelled, self.project = table, travelled, project
-        self.library = load_replay()
+        self.library = table.replay()
         self.memory = ctypes.create_string_buffer(self.library.replay_struct_size())
         self.run = run = _Replay.from_buffer(self.memory)
         self.kept: dict[str, Any] = {}
@@ -171,5 +171,6 @@ class NativeReplay:
                 t = float(self.travelled.record[run.step, 0])
                 raise Undefined(_WHY[status], t, int(run.culprit))
         rows = kept["rows"]
-        assert run.row_count == len(rows), "a replay has as many rows as its run"
+        if run.row_count != len(rows):  # a run stopped in the middle of a step
+            raise too_late()
         return Replayed(rows, kept["state"][n:].reshape(n, run.q).copy(), kept["event_rows"])

@@ -50,7 +50,7 @@ typedef struct {
     unsigned long long wanted;
     /* private */
     i64 phase, knot, next_eval, row_due, begun, mode;
-    double *next, *u, *slope, *dense, *fresh, *stage, *out;
+    double *next, *earlier, *u, *sums, *slope, *dense, *fresh, *stage, *out;
 } Replay;
 
 /* Least parts of a rate that two switches firing at once may differ by; see replay.py. */
@@ -58,10 +58,12 @@ static const double TOGETHER = 1e3, AGREE = 1e-6;
 
 static double larger(double a, double b) { return a > b ? a : b; }
 
+static i64 larger_of(i64 a, i64 b) { return a > b ? a : b; }
+
 i64 replay_work_size(i64 n, i64 q, i64 m, i64 k, i64 entries)
 {
     const i64 N = n + n * q;
-    return 15 * N + k + m + n + m + n + 3 * k + entries + 2 * q + 8;
+    return 14 * N + 2 * k + m + n + m + k * q + larger_of(n, 3 * k) + entries + q + 8;
 }
 
 i64 replay_struct_size(void) { return (i64)sizeof(Replay); }
@@ -83,6 +85,8 @@ void replay_lay_out(Replay *r)
     r->fresh = take(&free, N);
     r->stage = take(&free, N);
     r->next = take(&free, r->k + 1);
+    r->earlier = take(&free, r->k + 1);
+    r->sums = take(&free, r->k * r->q);
     r->u = take(&free, r->m + r->n + r->m + 1);
     r->out = free;
 }
@@ -114,18 +118,36 @@ static i64 find_mode(Replay *r, const double *codes)
     return -1;
 }
 
-/* Sums of entries times columns of S and P. */
+/*
+ * Sums of entries times columns of S and P, for `width` columns from `c` on: a constant, so that the
+ * sum of a row stays in registers. Entries come row by row.
+ */
+static inline __attribute__((always_inline)) void
+spread_block(const i64 width, i64 c, const Replay *r, const Entry *entries, i64 count,
+             const double *values, const double *S, double *restrict into)
+{
+    const i64 n = r->n, q = r->q;
+    for (i64 e = 0; e < count;) {
+        const i64 row = entries[e].row;
+        double sum[8] = {0};
+        do {
+            const i64 column = entries[e].column;
+            const double a = values[entries[e].index];
+            const double *start = column < n ? S + column * q : r->seeds + (column - n) * q;
+            const double *restrict from = start + c;
+            for (i64 i = 0; i < width; i++) sum[i] += a * from[i];
+        } while (++e < count && entries[e].row == row);
+        for (i64 i = 0; i < width; i++) into[row * q + c + i] = sum[i];
+    }
+}
+
 static void spread(const Replay *r, const Entry *entries, i64 count, const double *values,
                    const double *S, double *restrict into)
 {
-    const i64 n = r->n, q = r->q;
-    for (i64 e = 0; e < count; e++) {
-        const i64 column = entries[e].column;
-        const double a = values[entries[e].index];
-        const double *restrict from = column < n ? S + column * q : r->seeds + (column - n) * q;
-        double *restrict to = into + entries[e].row * q;
-        for (i64 c = 0; c < q; c++) to[c] += a * from[c];
-    }
+    i64 c = 0;
+    for (; c + 8 <= r->q; c += 8) spread_block(8, c, r, entries, count, values, S, into);
+    for (; c + 4 <= r->q; c += 4) spread_block(4, c, r, entries, count, values, S, into);
+    for (; c < r->q; c++) spread_block(1, c, r, entries, count, values, S, into);
 }
 
 /* Slopes of x and S. */
@@ -216,14 +238,27 @@ static void crossing(const Replay *r, i64 j, double *restrict dt)
 {
     const i64 k = r->k, q = r->q;
     const double rate = r->out[k + j], *S = r->state + r->n;
-    memset(dt, 0, (size_t)q * sizeof(double));
-    for (i64 e = 0; e < now(r)->surface_count; e++)
-        if (now(r)->surface_entries[e].row == j) {
-            Entry entry = now(r)->surface_entries[e];
-            entry.row = 0;
-            spread(r, &entry, 1, r->out + 3 * k, S, dt);
-        }
-    for (i64 c = 0; c < q; c++) dt[c] = -dt[c] / rate;
+    const Entry *entries = now(r)->surface_entries;
+    i64 first = 0, last;
+    while (first < now(r)->surface_count && entries[first].row < j) first++;
+    for (last = first; last < now(r)->surface_count && entries[last].row == j; last++) continue;
+    memset(r->sums + j * q, 0, (size_t)q * sizeof(double));
+    spread(r, entries + first, last - first, r->out + 3 * k, S, r->sums);
+    for (i64 c = 0; c < q; c++) dt[c] = -r->sums[j * q + c] / rate;
+}
+
+static void surface(Replay *r, double t, const double *x)
+{
+    inputs(r, t);
+    memcpy(r->u + r->m, r->slope, (size_t)r->n * sizeof(double));
+    now(r)->surface(t, x, r->u, r->parameters, r->codes, r->out, r->iw, r->w);
+}
+
+/* Whether a guard falls at a rate that stands out of its terms and of its mean rate in the step. */
+static int falls(const Replay *r, i64 j, double h)
+{
+    const double mean = fabs(r->out[j] - r->earlier[j]) / h;
+    return r->out[r->k + j] < -r->least * larger(r->out[2 * r->k + j], mean);
 }
 
 /*
@@ -234,17 +269,16 @@ static i64 cross(Replay *r, const Mode *then, double t, i64 last)
 {
     const i64 n = r->n, k = r->k, q = r->q, first = r->events_done;
     double *dt = r->event_rows + first * q, *other = r->out + 3 * k + now(r)->surface_count;
-    const double *before = r->slope;
+    const double *before = r->slope, *record = r->record + (r->step - 1) * (n + 3);
     double soonest = INFINITY;
     i64 fired = -1;
-    inputs(r, t);
-    memcpy(r->u + r->m, before, (size_t)n * sizeof(double));
-    now(r)->surface(t, r->state, r->u, r->parameters, r->codes, r->out, r->iw, r->w);
+    surface(r, record[0], record + 3);
+    memcpy(r->earlier, r->out, (size_t)k * sizeof(double));
+    surface(r, t, r->state);
     for (i64 e = first; e < last; e++) {
         const i64 j = r->events[3 * e];
         const double away = fabs(r->out[j] / r->out[k + j]);
-        const int falls = r->out[k + j] < -r->least * r->out[2 * k + j];
-        if (falls && away < soonest) {
+        if (falls(r, j, record[1]) && away < soonest) {
             soonest = away;
             fired = j;
         }

@@ -60,7 +60,8 @@ class PythonReplay:
             self.put_row(self.state[self.n :])
             self.next_eval += 1
         rows = numpy.array(self.rows).reshape(len(self.rows), self.n, self.q)
-        assert len(rows) == self.given.rows, "a replay has as many rows as its run"
+        if len(rows) != self.given.rows:  # a run stopped in the middle of a step
+            raise too_late()
         return Replayed(rows, self.state[self.n :].reshape(self.n, self.q), self.event_rows)
 
     # ------------------------------------------------------------------ model
@@ -70,7 +71,9 @@ class PythonReplay:
         table = self.given.inputs
         if not isinstance(table, InputTable):
             step = RATE_STEP * max(abs(t), 1e-3)
-            u, ahead, behind = (numpy.asarray(table(at), dtype=float) for at in (t, t + step, t - step))
+            u, ahead, behind = (
+                numpy.asarray(table(at), dtype=float) for at in (t, t + step, t - step)
+            )
             return u, (ahead - behind) / (2 * step)
         i, knots = self.knot, table.knots
         left = table.values[max(i, 0)]
@@ -114,14 +117,13 @@ class PythonReplay:
         function, _, active, _ = self.mode
         n = self.n
         found = function(t, state[:n], self.inputs(t)[0], self.given.parameters, self.codes)
-        return numpy.concatenate(
-            [found[:n], self.spread(active, found[n:], state[n:], n).ravel()]
-        )
+        return numpy.concatenate([found[:n], self.spread(active, found[n:], state[n:], n).ravel()])
 
     # ------------------------------------------------------------------ a step
 
     def travel(self, row: Array, t_new: float) -> None:
         """Make a step, and the output rows in it."""
+        self.last = row
         t, h = float(row[0]), float(row[1])
         x, K = self.state, self.K
         for i in range(1, 6):
@@ -219,7 +221,13 @@ class PythonReplay:
         x, before = self.state[:n], self.K[0, :n]
         u, slope = self.inputs(t)
         found = self.mode[1](t, x, numpy.concatenate([u, before, slope]), p, self.codes)
-        rate, size = found[k : 2 * k], found[2 * k : 3 * k]
+        start, h = float(self.last[0]), float(self.last[1])
+        u, slope = self.inputs(start)
+        earlier = self.mode[1](
+            start, self.last[3:], numpy.concatenate([u, before, slope]), p, self.codes
+        )
+        mean = numpy.abs(found[:k] - earlier[:k]) / h
+        rate, size = found[k : 2 * k], numpy.maximum(found[2 * k : 3 * k], mean)
         away = numpy.abs(found[:k] / rate)
         switches = [int(event[0]) for event in self.given.events[self.events_done : last]]
         falling = [j for j in switches if rate[j] < -self.given.least * size[j]]

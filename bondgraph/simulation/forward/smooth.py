@@ -47,7 +47,9 @@ def augmented(functions: SmoothFunctions, q: int) -> SmoothFunctions:
     """
     n, nz, m, np = functions.n, functions.nz, functions.m, functions.np
     t, u = casadi.SX.sym("t"), casadi.SX.sym("u", m)
-    x, z, p = (casadi.SX.sym(label, size, 1 + q) for label, size in zip("xzp", (n, nz, np), strict=True))
+    x, z, p = (
+        casadi.SX.sym(label, size, 1 + q) for label, size in zip("xzp", (n, nz, np), strict=True)
+    )
     ode, alg, powers = functions.rates(t, x[:, 0], z[:, 0], u, p[:, 0])
     place = casadi.vertcat(x[:, 0], z[:, 0], p[:, 0])
     both = casadi.jacobian(casadi.vertcat(ode, alg), place)

@@ -8,7 +8,6 @@ differences along each direction: x before moves by S + f dt, the time by dt, pa
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any
 
 import numpy
 
@@ -125,7 +124,9 @@ class SwitchedReplay(PythonReplay):
         before = self.K[0, :n] if self.begun else numpy.zeros(n)
         moved = S + before[:, None] * dt
         for c in range(self.q):
-            S[:, c] = self._slope(t, x, via, rebounds, (float(dt[c]), moved[:, c], self.seeds[:, c]))
+            S[:, c] = self._slope(
+                t, x, via, rebounds, (float(dt[c]), moved[:, c], self.seeds[:, c])
+            )
         self.state[:n] = row[3:]
         after = self.functions(then)[0](t, row[3:], self.inputs(t)[0], p, then)[:n]
         S -= after[:, None] * dt

@@ -45,7 +45,7 @@ class Entries:
     columns: Array
 
     def active(self, n: int, moved: Array) -> Array:
-        """Return entry, row and column of those that count, shape (e, 3).
+        """Return entry, row and column of those that count, row by row, shape (e, 3).
 
         Parameters
         ----------
@@ -56,6 +56,7 @@ class Entries:
         """
         counts = numpy.concatenate([numpy.ones(n, dtype=bool), moved])[self.columns]
         index = numpy.flatnonzero(counts)
+        index = index[numpy.argsort(self.rows[index], kind="stable")]
         return numpy.stack([index, self.rows[index], self.columns[index]], axis=1)
 
 
@@ -121,6 +122,7 @@ class TangentTable:
         self._modes = modes
         self._made: dict[int, ModeTangent] = {}
         self._native: dict[int, NativeTangent] = {}
+        self._replay: ctypes.CDLL | None = None
         self._lock = threading.RLock()
 
     def mode(self, mask: int) -> ModeTangent:
@@ -142,6 +144,13 @@ class TangentTable:
                 self._native[mask] = _compiled(self.mode(mask))
             return self._native[mask]
 
+    def replay(self) -> ctypes.CDLL:
+        """Return the compiled ``replay.c``; raises CompileError."""
+        with self._lock:
+            if self._replay is None:
+                self._replay = _load_replay()
+            return self._replay
+
     def loaded(self) -> dict[int, NativeTangent]:
         """Return the compiled modes so far."""
         with self._lock:
@@ -157,7 +166,9 @@ def _differentiated(modes: ModeTable, mask: int) -> ModeTangent:
     return tangent_of(given, mode.rhs(*given)[: modes.n], guards)
 
 
-def tangent_of(given: list[casadi.SX], rates: casadi.SX, guards: casadi.SX | None, held: Any = None) -> ModeTangent:
+def tangent_of(
+    given: list[casadi.SX], rates: casadi.SX, guards: casadi.SX | None, held: Any = None
+) -> ModeTangent:
     """Differentiate rates and guards.
 
     Parameters
@@ -237,7 +248,9 @@ def _compiled(mode: ModeTangent) -> NativeTangent:
         resources.files(__package__).joinpath("tangent.c").read_text(encoding="utf-8"),
     )
     fast = FLAGS if len(model) < LARGEST_FAST else LARGE_FLAGS
-    library = load_shared("".join(source), "tangent", fast if len(model) < LARGE_SOURCE else HUGE_FLAGS)
+    library = load_shared(
+        "".join(source), "tangent", fast if len(model) < LARGE_SOURCE else HUGE_FLAGS
+    )
 
     def address(name: str) -> int:
         return ctypes.cast(getattr(library, name), ctypes.c_void_p).value or 0
@@ -250,7 +263,7 @@ def _compiled(mode: ModeTangent) -> NativeTangent:
     return NativeTangent(address("tangent_rates"), surface, (iw, w), library)
 
 
-def load_replay() -> ctypes.CDLL:
+def _load_replay() -> ctypes.CDLL:
     """Return the compiled ``replay.c``; raises CompileError."""
     import ctypes
 
@@ -265,6 +278,3 @@ def load_replay() -> ctypes.CDLL:
         function = getattr(library, name)
         function.argtypes, function.restype = arguments, result
     return library
-
-
-__all__ = ["CompileError", "Entries", "ModeTangent", "NativeTangent", "TangentTable", "load_replay"]
