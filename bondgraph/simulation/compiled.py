@@ -9,7 +9,7 @@ import functools
 import itertools
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy
 import sympy
@@ -31,6 +31,9 @@ from .mode_set import ModeSet
 from .smooth import SmoothFunctions, smooth_functions
 from .stiffness import Probe
 from .table import ModeFunctions, ModeTable
+
+if TYPE_CHECKING:
+    from .forward import ForwardModel
 
 Array = numpy.ndarray
 
@@ -288,6 +291,19 @@ class CompiledModel:
             return 0.5 * q * (values * weights).sum(axis=-1)
 
         return energy
+
+    @functools.cached_property
+    def forward(self) -> ForwardModel:
+        """Derivatives of modes, parameter table and signals, for `sensitivities`."""
+        from .forward import ForwardModel
+
+        return ForwardModel(self)
+
+    def signal_program(self, mask: int, results: Iterable[sympy.Expr]) -> Program:
+        """Return signals in a structural mode as a program in ``(t, x, u, p, s, ...)``."""
+        if self.contact_names:
+            return self.mode_set.program(mask, "signals", {"out": list(results)})
+        return self._program(self.in_mask(mask), "signals", results)
 
     def _functions(self, mask: int) -> ModeFunctions:
         rhs, guard = self.mode_set.calm(mask)

@@ -40,6 +40,8 @@ typedef struct {
     double t;
     i64 row_count, event_count, steps, rejected, evaluations;
     unsigned long long wanted;
+    i64 record_count, record_capacity;
+    double *record; /* [n+3] each: t, length, events before, x, of every step; or NULL */
     /* private */
     i64 phase, outcome, mode, knot, next_eval, started, keep_step, unresolved, event_pending;
     i64 after_rejection, bad, shrinks, halvings, futile, settled, dense_ready;
@@ -816,11 +818,26 @@ static i64 step(Run *r)
     return CONTINUE;
 }
 
+static int record_missing(const Run *r)
+{
+    return r->record && r->record_count >= r->record_capacity;
+}
+
+static void put_record(Run *r)
+{
+    double *record = r->record + r->record_count++ * (r->n + 3);
+    record[0] = r->t;
+    record[1] = r->h_used;
+    record[2] = (double)r->event_count;
+    memcpy(record + 3, r->x, (size_t)r->n * sizeof(double));
+}
+
 /* The end of the step becomes the present point. */
 static void commit(Run *r)
 {
     const i64 n = r->n;
     int all_armed = 1;
+    if (r->record) put_record(r);
     memcpy(r->x, r->x_new, (size_t)(n + 2) * sizeof(double));
     memcpy(r->slope, r->slope + 6 * (n + 2), (size_t)(n + 2) * sizeof(double));
     memcpy(sample(r, 0), sample(r, 4), 2 * (size_t)r->k * sizeof(double));
@@ -840,6 +857,7 @@ static void commit(Run *r)
 /* Output rows of the step just taken, then the step itself. */
 static i64 emit(Run *r)
 {
+    if (record_missing(r)) return ROWS_FULL;
     if (r->t_eval) {
         while (r->next_eval < r->n_eval && r->t_eval[r->next_eval] < r->t_new) {
             if (row_missing(r)) return ROWS_FULL;

@@ -169,6 +169,7 @@ def solution_of(stepper: Stepper, outcome: Outcome) -> Solution:
         (stepper.t, stepper.x, stepper.code.astype(np.int8)),
         (stepper.steps, stepper.rejected, stepper.evaluations),
         "vm",
+        None if stepper.record is None else np.array(stepper.record).reshape(-1, n + 3),
     )
 
 
@@ -188,6 +189,7 @@ def _integrate_native(problem: Problem, options: Options, patience: float) -> So
         (run.t, kept["x_end"], kept["code"][: run.k]),
         (run.steps, run.rejected, run.evaluations),
         "native",
+        kept["record"][: run.record_count] if options.record else None,
     )
 
 
@@ -202,6 +204,7 @@ def _solution(
     end: tuple[float, Array, Array],
     counts: tuple[int, int, int],
     backend: Literal["native", "vm"],
+    record: Array | None,
 ) -> Solution:
     n = rows.shape[1] - 3
     t_end, x_end, codes_end = end
@@ -222,4 +225,5 @@ def _solution(
         rejected=counts[1],
         rhs_evals=counts[2],
         backend=backend,
+        record=record,
     )

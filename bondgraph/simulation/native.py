@@ -41,6 +41,8 @@ class _Run(ctypes.Structure):
         *_fields(ctypes.c_double, "t"),
         *_fields(ctypes.c_longlong, "row_count event_count steps rejected evaluations"),
         *_fields(ctypes.c_ulonglong, "wanted"),
+        *_fields(ctypes.c_longlong, "record_count record_capacity"),
+        *_fields(ctypes.c_void_p, "record"),
     )
 
 
@@ -111,6 +113,8 @@ class NativeRun:
         self.point("code", np.zeros(k + 1, dtype=np.int8))
         self.make_room_for_rows(4096 if t_eval is None else len(t_eval))
         self.make_room_for_events(256 if k else 0)
+        if options.record:
+            self.make_room_for_record(1024)
         self.show_modes()
 
     def point(self, field: str, array: np.ndarray) -> None:
@@ -127,6 +131,22 @@ class NativeRun:
         self.point("rows", rows)
         self.point("row_codes", codes)
         self.run.row_capacity = capacity
+
+    def make_room_for_record(self, capacity: int) -> None:
+        """Steps for the driver to note, those noted already kept."""
+        record = np.empty((capacity, self.run.n + 3))
+        if used := self.run.record_count:
+            record[:used] = self.kept["record"][:used]
+        self.point("record", record)
+        self.run.record_capacity = capacity
+
+    def make_room(self) -> None:
+        """Make room for rows or for the record of steps, whichever is full."""
+        run = self.run
+        if run.record and run.record_count >= run.record_capacity:
+            self.make_room_for_record(2 * run.record_capacity)
+        else:
+            self.make_room_for_rows(2 * run.row_capacity)
 
     def make_room_for_events(self, capacity: int) -> None:
         """Events for the driver to fill, those filled already kept."""
@@ -184,6 +204,6 @@ class NativeRun:
             self.table.machine_code(run.wanted)
             self.show_modes()
         elif status == _ROWS_FULL:
-            self.make_room_for_rows(2 * run.row_capacity)
+            self.make_room()
         elif status == _EVENTS_FULL:
             self.make_room_for_events(2 * run.event_capacity + run.k)

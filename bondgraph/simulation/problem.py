@@ -184,6 +184,8 @@ class Options:
         Increasing times of the output rows; without it every step and both sides of every event.
     backend : {"auto", "native", "vm"}
         Compiled C where possible; only; or CasADi's virtual machine under the Python twin.
+    record : bool
+        Whether to keep every step, for `bondgraph.simulation.forward`.
     """
 
     rtol: float = 1e-6
@@ -195,6 +197,7 @@ class Options:
     bound: float = 1e100
     t_eval: Array | None = None
     backend: Literal["auto", "native", "vm"] = "auto"
+    record: bool = False
 
     def __post_init__(self) -> None:
         if not 0 < self.rtol < 1:
@@ -266,6 +269,8 @@ class Solution:
         The last good point, whatever the outcome.
     steps, rejected, rhs_evals : int
     backend : {"native", "vm"}
+    record : (ns, n + 3) array or None
+        Of every step: time and length, events before it, state at its start.
     """
 
     t: Array
@@ -284,6 +289,7 @@ class Solution:
     rejected: int
     rhs_evals: int
     backend: Literal["native", "vm"]
+    record: Array | None = None
 
 
 def _doubles(values: Any) -> Array:

@@ -27,7 +27,7 @@ from .smooth import (
 )
 from .solvers import Choice, Start, choose, stiff_advice
 from .switched import imposed_before, integrate_switched, mask_of
-from .trajectory import Energy, Trajectory
+from .trajectory import Energy, Kept, Trajectory
 
 
 def simulate(
@@ -110,6 +110,44 @@ def simulate(
     >>> run.outcome.value, run.events[0].to_mode
     ('finished', 'stick')
     """
+    return carried_out(
+        graph,
+        t_span,
+        parameters,
+        initial,
+        inputs,
+        t_eval,
+        rtol,
+        atol=atol,
+        max_step=max_step,
+        max_events=max_events,
+        max_steps=max_steps,
+        time_budget=time_budget,
+        backend=backend,
+        solver=solver,
+        record=False,
+    )
+
+
+def carried_out(
+    graph: BondGraph | CausalGraph | CompiledModel,
+    t_span: tuple[float, float] | float,
+    parameters: Mapping[Any, Any] | None,
+    initial: Mapping[Any, Any] | None,
+    inputs: Mapping[Any, Any] | None,
+    t_eval: Any,
+    rtol: float,
+    *,
+    atol: float,
+    max_step: float,
+    max_events: int,
+    max_steps: int,
+    time_budget: float,
+    backend: Literal["auto", "native", "vm"],
+    solver: Literal["auto", "dopri5", "cvodes", "idas", "rosenbrock"],
+    record: bool,
+) -> Trajectory:
+    """Simulate as `simulate` says; ``record`` keeps every step in the trajectory."""
     model = graph if isinstance(graph, CompiledModel) else CompiledModel(graph)
     span = _span(t_span)
     equations = model.equations
@@ -127,6 +165,7 @@ def simulate(
         time_budget=time_budget,
         t_eval=_grid(t_eval, span),
         backend=backend,
+        record=record,
     )
     try:
         choice = choose(model, solver, backend, Start(span, x0, p, table))
@@ -178,7 +217,8 @@ def _hybrid(
     end = None
     if stored is not None:
         end, _ = measured(model, solution.t_end, solution.x_end, table, p)
-    return _trajectory(model, solution, values, table, _audit(solution, energy, end))
+    trajectory = _trajectory(model, solution, values, table, _audit(solution, energy, end))
+    return _with_steps(trajectory, Kept(problem, options, solution))
 
 
 def _searched(
@@ -219,7 +259,8 @@ def _searched(
         stored(solution.t_end, solution.x_end, solution.codes_end),
     )
     audit = _audit(solution, energies[0] or 0.0, energies[1])
-    return _trajectory(model, solution, values, table, audit)
+    trajectory = _trajectory(model, solution, values, table, audit)
+    return _with_steps(trajectory, Kept(problem, options, solution))
 
 
 def _smooth(
@@ -250,7 +291,12 @@ def _smooth(
         last = numpy.append(solution.x_end, solution.z_end)
         end, _ = measured(model, solution.t_end, last, table, p)
     audit = _audit(solution, first or 0.0, end)
-    return _smooth_trajectory(model, solution, values, table, audit, solver)
+    trajectory = _smooth_trajectory(model, solution, values, table, audit, solver)
+    return _with_steps(trajectory, Kept(problem, options))
+
+
+def _with_steps(trajectory: Trajectory, kept: Kept) -> Trajectory:
+    return replace(trajectory, kept=kept) if kept.options.record else trajectory
 
 
 def _span(t_span: Any) -> tuple[float, float]:

@@ -144,6 +144,7 @@ class Stepper:
         self.bad = self.shrinks = self.halvings = self.futile = 0
         self.after_rejection = self.started = self.keep_step = False
         self.steps = self.rejected = self.evaluations = self.next_eval = 0
+        self.record: list[Array] | None = [] if options.record else None
         self.rows: list[Array] = []
         self.row_codes: list[Array] = []
         self.events: list[tuple[float, int, int, int, Array]] = []
@@ -603,6 +604,10 @@ class Stepper:
     def commit(self) -> None:
         """The end of the step becomes the present point."""
         n = self.n
+        if self.record is not None:
+            self.record.append(
+                np.concatenate([[self.t, self.h_used, len(self.events)], self.x[:n]])
+            )
         self.x = self.x_new
         self.K[0] = self.K[6]
         self.sample[0] = self.sample[4]

@@ -22,6 +22,9 @@ if TYPE_CHECKING:
     import pandas
     import xarray
 
+    from .problem import Options, Problem, Solution
+    from .smooth import SmoothProblem
+
 Array = numpy.ndarray
 
 
@@ -68,6 +71,23 @@ class Energy:
 
 
 @dataclass(frozen=True, eq=False)
+class Kept:
+    """What a run was made from, and how it went.
+
+    Attributes
+    ----------
+    problem : Problem or SmoothProblem
+    options : Options
+    solution : Solution or None
+        With its steps; None for a smooth model.
+    """
+
+    problem: Problem | SmoothProblem
+    options: Options
+    solution: Solution | None = None
+
+
+@dataclass(frozen=True, eq=False)
 class Trajectory:
     """Result of a simulation.
 
@@ -102,6 +122,8 @@ class Trajectory:
         What the run itself adds to its outcome's advice; empty where it has nothing.
     z : (nz, nt) array
         Algebraic variables, ordered as ``model.equations.algebraic``.
+    kept : Kept or None
+        What the run was made from, where `sensitivities` asked for it.
     """
 
     t: Array
@@ -123,6 +145,7 @@ class Trajectory:
     z_end: Array = field(default_factory=lambda: numpy.zeros(0))
     solver_reason: str = ""
     remark: str = ""
+    kept: Kept | None = field(default=None, repr=False)
 
     def __getitem__(self, name: str) -> Array:
         """Return a signal at all times, of shape (nt,)."""
