@@ -16,7 +16,7 @@ from ..graph import BondGraph
 from ..values import algebraic_guess, initial_values, parameter_values
 from .compiled import CompiledModel
 from .hybrid import integrate
-from .inputs import at, gather
+from .inputs import Functions, at, gather
 from .problem import Options, Problem, Solution
 from .smooth import (
     SmoothProblem,
@@ -67,7 +67,9 @@ def simulate(
         run stays on the branch found from there.
     inputs : mapping, optional
         By name or symbol: a number, ``(times, values)``, `Samples`, or a
-        function of time (dopri5 only; it runs on the slower virtual machine).
+        function of time. dopri5 calls functions, on the slower virtual machine;
+        other solvers, and inputs whose rate is needed, follow them by cubics
+        within a tenth of rtol and refuse functions that jump.
     t_eval : (nt,) array-like, optional
         Times to report; the integrator's own steps unless given. CasADi's
         integrators do not tell theirs: they report 1000 equal steps, and denser
@@ -131,6 +133,8 @@ def simulate(
     try:
         choice = choose(model, solver, backend, Start(span, x0, p, table))
         if choice.solver == "dopri5":
+            if isinstance(table, Functions) and table.needs_rate:
+                table = tabled(table, span, options.rtol)
             run = _hybrid(model, (span, x0, p), values, table, options)
             return _reasoned(run, choice, span)
         guess = numpy.array(algebraic_guess(equations, initial))
@@ -229,7 +233,7 @@ def _smooth(
     solver: str,
 ) -> Trajectory:
     (span, x0, p), (inputs, guess) = start, given
-    table = tabled(inputs, solver)
+    table = tabled(inputs, span, options.rtol)
     u0 = at(table, numpy.array(span[:1]))[:, 0]
     problem = SmoothProblem(
         functions=model.smooth,

@@ -25,6 +25,8 @@ Array = numpy.ndarray
 BLOCK = 100  # output times a call: the clock is looked at in between
 FEWEST = 4  # with less, a call for each output time is cheaper than another integrator
 PATTERNS = 64
+# CasADi's SUNDIALS interfaces take output times within 1e-9 of each other for one.
+CLOSEST = 2e-9
 STEPS = 5000  # between two output times, before a stretch is halved
 STALL = 1e-11  # share of a run: where it takes more steps than STEPS, the run gets nowhere
 BOUND = 1e100
@@ -142,7 +144,7 @@ class March:
         length = block[-1] - self.t
         shares = [round((target - self.t) / length, 14) for target in block[:-1]]
         pattern = (*shares, 1.0)
-        if numpy.diff((0.0, *pattern)).min() <= 0:
+        if numpy.diff((0.0, *pattern)).min() <= CLOSEST:
             return False
         try:
             got, z = self._stretch(part, pattern, numpy.array(block))
