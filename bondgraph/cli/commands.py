@@ -248,6 +248,9 @@ def _report_run(trajectory: Trajectory, as_json: bool, written: list[Path]) -> i
             err=True,
         )
         return 1
+    if trajectory.undefined:
+        click.echo(f"bondgraph: {trajectory.undefined_words()}", err=True)
+        return 1
     return 0
 
 

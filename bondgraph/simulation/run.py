@@ -14,9 +14,11 @@ from ..codegen.program import ProgramError
 from ..errors import BondGraphError, SimulationError
 from ..graph import BondGraph
 from ..values import algebraic_guess, initial_values, parameter_values
+from .chatter import reverses
 from .compiled import CompiledModel
 from .hybrid import integrate
 from .inputs import Functions, at, gather
+from .outcome import Outcome
 from .problem import Options, Problem, Solution
 from .smooth import (
     SmoothProblem,
@@ -28,6 +30,9 @@ from .smooth import (
 from .solvers import Choice, Start, choose, stiff_advice
 from .switched import imposed_before, integrate_switched, mask_of
 from .trajectory import Energy, Event, Trajectory
+
+# Outcomes of runs that did not get on, for a reason to be looked for.
+HELD_UP = (Outcome.STEP_LIMIT, Outcome.STEP_UNDERFLOW, Outcome.TIME_BUDGET)
 
 
 def simulate(
@@ -148,12 +153,28 @@ def simulate(
 
 def _reasoned(run: Trajectory, choice: Choice, span: tuple[float, float]) -> Trajectory:
     """Say why the solver was taken, and which would have come further."""
-    remark = ""
-    if choice.solver == "dopri5" and not run.outcome.ok:
+    remark, outcome = "", run.outcome
+    if outcome in HELD_UP and not run.model.contact_names:
         p = numpy.array([run.parameters[s.name] for s in run.model.equations.parameters])
         end = Start(span, run.x_end, p, run.inputs)
-        remark = stiff_advice(run.model, run.outcome, end)
-    return replace(run, solver_reason=choice.reason, remark=remark)
+        if _chatters(run, end):
+            outcome = Outcome.CHATTERING
+        elif choice.solver == "dopri5":
+            remark = stiff_advice(run.model, end)
+    return replace(run, outcome=outcome, solver_reason=choice.reason, remark=remark)
+
+
+def _chatters(run: Trajectory, end: Start) -> bool:
+    """Whether a run ended at a jump of its laws that drives it back from both sides."""
+    if len(run.z_end) or not len(run.x_end):
+        return False
+    rhs = run.model.modes.functions(0).rhs
+
+    def rates(t: float, x: numpy.ndarray) -> numpy.ndarray:
+        u = at(end.inputs, numpy.array([t]))[:, 0]
+        return rhs(t, x, u, end.p, []).full().ravel()[: len(x)]
+
+    return reverses(rates, run.t_end, run.x_end, end.span[1] - end.span[0])
 
 
 def _hybrid(

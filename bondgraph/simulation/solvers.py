@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any
 
 from ..errors import SimulationError
 from .compiled import CompiledModel
-from .outcome import Outcome
 
 if TYPE_CHECKING:
     import numpy
@@ -153,13 +152,13 @@ def _check(model: CompiledModel, chosen: str, implicit: tuple[str, ...], backend
         )
 
 
-def stiff_advice(model: CompiledModel, outcome: Outcome, end: Start) -> str:
-    """Return what to do about a run of dopri5 that stiffness stopped; empty where it did not.
+def stiff_advice(model: CompiledModel, end: Start) -> str:
+    """Return what to do about a run of dopri5 that stopped early; empty where it is not stiff there.
 
     Parameters
     ----------
     model : CompiledModel
-    outcome : Outcome
+        Without switching elements.
     end : Start
         The last good point, and the span of the whole run.
 
@@ -167,9 +166,6 @@ def stiff_advice(model: CompiledModel, outcome: Outcome, end: Start) -> str:
     -------
     str
     """
-    stopped = (Outcome.STEP_LIMIT, Outcome.STEP_UNDERFLOW, Outcome.TIME_BUDGET)
-    if outcome not in stopped or model.contact_names:
-        return ""
     found = model.stiffness(end.span, end.x, end.p, end.inputs, ())
     if not found.stiff:
         return ""
