@@ -149,7 +149,7 @@ class NativeRun:
         self.point("iw", np.empty(iw + 1, dtype=np.int64))
         self.point("w", np.empty(w + 1))
 
-    def to_the_end(self, time_budget: float, patience: float) -> Outcome:
+    def to_the_end(self, time_budget: float, patience: float = math.inf) -> Outcome:
         """Advance, serving what the driver asks for, until it has an outcome.
 
         Where a mode has no machine code, a run that has taken more than `patience` seconds, or

@@ -109,7 +109,8 @@ def _automatic(
     model: CompiledModel, implicit: tuple[str, ...], backend: str, start: Start | None
 ) -> Choice:
     if model.contact_names:
-        some = _count(len(model.contact_names), "contact")
+        what = "switching element" if model.switched else "contact"
+        some = _count(len(model.contact_names), what)
         return Choice(EXPLICIT, f"{EXPLICIT}: {some} with modes, events are located")
     if implicit:
         return Choice(IMPLICIT, f"{IMPLICIT}: {_count(len(implicit), 'algebraic variable')}")

@@ -18,11 +18,13 @@ from click.testing import CliRunner
 from bondgraph import (
     TIME,
     C,
+    Diode,
     EndStop,
     Friction,
     I,
     Integrator,
     One,
+    R,
     Se,
     Sf,
     Zero,
@@ -140,6 +142,29 @@ class TestEvents:
     def test_friction_that_contradicts_itself(self, capfd, way):
         run = ended(capfd, self.belt(12), 50.0, way)
         assert run.outcome.value == "chattering"
+
+
+SEARCHED = {
+    "step underflow": (lambda y: y**2, {}),
+    "diverged": (lambda y: 50 * y, {}),
+    "non-finite": (lambda y: sympy.sqrt(sympy.Rational(1, 2) - TIME), {}),
+    "step limit": (lambda y: sympy.cos(50 * TIME), {"max_steps": 40}),
+    "time budget": (lambda y: sympy.cos(10**6 * TIME), {"time_budget": 0.3}),
+}
+
+
+@pytest.mark.parametrize("outcome", SEARCHED)
+def test_models_whose_modes_are_searched(capfd, outcome):
+    law, options = SEARCHED[outcome]
+    state, idle = C("c", 1, initial=1), One("idle")
+    graph = assemble(
+        "searched",
+        Sf("f", law(state.q)) >> Zero("z") >> state,
+        Se("back", -1) >> idle >> (R("r", 1), Diode("d")),
+        outputs={"c0.q": state.q},
+    )
+    run = ended(capfd, graph, 20.0, {}, **options)
+    assert run.model.switched and run.outcome.value == outcome
 
 
 def test_bounces_that_pile_up(capfd):
