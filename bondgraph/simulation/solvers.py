@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any
 
 from ..errors import SimulationError
 from .compiled import CompiledModel
-from .outcome import Outcome
 
 if TYPE_CHECKING:
     import numpy
@@ -110,7 +109,8 @@ def _automatic(
     model: CompiledModel, implicit: tuple[str, ...], backend: str, start: Start | None
 ) -> Choice:
     if model.contact_names:
-        some = _count(len(model.contact_names), "contact")
+        what = "switching element" if model.switched else "contact"
+        some = _count(len(model.contact_names), what)
         return Choice(EXPLICIT, f"{EXPLICIT}: {some} with modes, events are located")
     if implicit:
         return Choice(IMPLICIT, f"{IMPLICIT}: {_count(len(implicit), 'algebraic variable')}")
@@ -153,13 +153,13 @@ def _check(model: CompiledModel, chosen: str, implicit: tuple[str, ...], backend
         )
 
 
-def stiff_advice(model: CompiledModel, outcome: Outcome, end: Start) -> str:
-    """Return what to do about a run of dopri5 that stiffness stopped; empty where it did not.
+def stiff_advice(model: CompiledModel, end: Start) -> str:
+    """Return what to do about a run of dopri5 that stopped early; empty where it is not stiff there.
 
     Parameters
     ----------
     model : CompiledModel
-    outcome : Outcome
+        Without switching elements.
     end : Start
         The last good point, and the span of the whole run.
 
@@ -167,9 +167,6 @@ def stiff_advice(model: CompiledModel, outcome: Outcome, end: Start) -> str:
     -------
     str
     """
-    stopped = (Outcome.STEP_LIMIT, Outcome.STEP_UNDERFLOW, Outcome.TIME_BUDGET)
-    if outcome not in stopped or model.contact_names:
-        return ""
     found = model.stiffness(end.span, end.x, end.p, end.inputs, ())
     if not found.stiff:
         return ""
