@@ -10,7 +10,8 @@ import sympy
 
 from .equations import Equations
 from .errors import ParameterError
-from .parameters import Resolver, as_parameter, unknown_name
+from .parameters import as_parameter, unknown_name
+from .resolver import Resolver
 from .units import to_si
 
 
@@ -25,7 +26,7 @@ def parameter_values(
     ----------
     equations : Equations
     overrides : mapping, optional
-        By name or symbol; see `bondgraph.parameters.resolve`.
+        By name or symbol; see `bondgraph.resolver.resolve`.
     resolver : Resolver, optional
         That of the graph's table, where one is kept for many evaluations.
 
@@ -88,22 +89,100 @@ def initial_values(
     >>> initial_values(equations, parameter_values(equations), {"v": 0.5})
     [0.5, 0.0]
     """
-    numbers = _by_symbol(equations, values)
-    start = {
-        state: _real(f"initial value of {state.name!r}", _evaluated(initial, numbers))
-        for state, initial in zip(equations.states, equations.initial, strict=True)
-    }
-    names = {state.name: state for state in equations.states}
-    for name, number in _numbers(given):
-        if name in names:
-            start[names[name]] = number
-        elif name in equations.outputs:
-            state, state_value = _from_output(equations, name, number, numbers)
-            start[state] = state_value
-        elif _algebraic(equations, name) is None:
-            implicit = [symbol.name for symbol in equations.algebraic]
-            raise unknown_name("state", name, [*names, *implicit, *equations.outputs])
-    return [start[state] for state in equations.states]
+    return InitialState(equations)(values, given)
+
+
+class InitialState:
+    """Evaluates the initial state of a set of equations again and again.
+
+    Parameters
+    ----------
+    equations : Equations
+
+    Examples
+    --------
+    >>> from bondgraph import derive
+    >>> from bondgraph.models import mass_on_belt
+    >>> equations = derive(mass_on_belt.graph())
+    >>> InitialState(equations)(parameter_values(equations), {"v": 0.5})
+    [0.5, 0.0]
+    """
+
+    def __init__(self, equations: Equations) -> None:
+        self.equations = equations
+        self._places = {state.name: i for i, state in enumerate(equations.states)}
+        self._own = [_Number(value) for value in equations.initial]
+        self._outputs: dict[str, tuple[int, _Number, _Number]] = {}
+
+    def __call__(
+        self, values: Mapping[str, float], given: Mapping[Any, Any] | None = None
+    ) -> list[float]:
+        """Return the state in SI; see `initial_values`."""
+        start = [
+            _real("initial value of {!r}", name, own(values))
+            for (name, own) in zip(self._places, self._own, strict=True)
+        ]
+        for name, number in _numbers(given):
+            if name in self._places:
+                start[self._places[name]] = number
+            elif name in self.equations.outputs:
+                place, slope, offset = self._output(name)
+                steep = slope(values)
+                value = (number - offset(values)) / steep if steep else math.nan
+                start[place] = _real("{}", name, value)
+            elif _algebraic(self.equations, name) is None:
+                implicit = [symbol.name for symbol in self.equations.algebraic]
+                known = [*self._places, *implicit, *self.equations.outputs]
+                raise unknown_name("state", name, known)
+        return start
+
+    def _output(self, name: str) -> tuple[int, _Number, _Number]:
+        """Return the one state that an output is affine in, the slope and what is added."""
+        if name not in self._outputs:
+            equations = self.equations
+            expression = equations.substituted(equations.outputs[name])
+            states = [state for state in equations.states if state in expression.free_symbols]
+            slope = sympy.diff(expression, states[0]) if len(states) == 1 else sympy.S.Zero
+            known = set(states) | set(equations.graph.parameters)
+            if slope == 0 or slope.free_symbols & set(states) or expression.free_symbols - known:
+                raise ParameterError(
+                    f"initial value of output {name!r} does not fix one state; give states instead: "
+                    f"{', '.join(self._places)}"
+                )
+            offset = _Number(expression.subs(states[0], 0))
+            self._outputs[name] = self._places[states[0].name], _Number(slope), offset
+        return self._outputs[name]
+
+
+class _Number:
+    """An expression in parameters as a function of their values by name."""
+
+    def __init__(self, expression: sympy.Expr) -> None:
+        self.expression = expression
+        self.names: tuple[str, ...] = ()
+        if expression.free_symbols:
+            symbols = sorted(expression.free_symbols, key=lambda item: item.name)
+            self.names = tuple(symbol.name for symbol in symbols)
+            self.function = sympy.lambdify(symbols, expression, modules="math")
+        else:
+            self.constant = _constant(expression)
+
+    def __call__(self, values: Mapping[str, float]) -> Any:
+        if not self.names:
+            return self.constant
+        try:
+            return self.function(*[values[name] for name in self.names])
+        except KeyError:  # a parameter without a value: said where it is used
+            return self.expression
+        except (ValueError, ZeroDivisionError, OverflowError):
+            return math.nan
+
+
+def _constant(expression: sympy.Expr) -> Any:
+    try:
+        return float(expression)
+    except TypeError:  # complex: said where it is used
+        return expression
 
 
 def algebraic_guess(equations: Equations, given: Mapping[Any, Any] | None = None) -> list[float]:
@@ -163,7 +242,7 @@ def _numbers(given: Mapping[Any, Any] | None) -> list[tuple[str, float]]:
     pairs = []
     for key, value in (given or {}).items():
         name = key if isinstance(key, str) else getattr(key, "name", str(key))
-        pairs.append((name, _real(f"initial value of {name!r}", _si(name, value))))
+        pairs.append((name, _real("initial value of {!r}", name, _si(name, value))))
     return pairs
 
 
@@ -176,40 +255,11 @@ def _si(name: str, value: Any) -> float:
     return to_si(float(row.value), row.unit)
 
 
-def _by_symbol(equations: Equations, values: Mapping[str, float]) -> dict[sympy.Symbol, float]:
-    return {
-        symbol: values[symbol.name]
-        for symbol in equations.graph.parameters
-        if symbol.name in values
-    }
-
-
-def _evaluated(expression: sympy.Expr, numbers: Mapping[sympy.Symbol, float]) -> sympy.Expr:
-    return expression if expression.is_Number else expression.evalf(17, subs=numbers)
-
-
-def _real(what: str, value: Any) -> float:
+def _real(what: str, name: str, value: Any) -> float:
     try:
         number = float(value)
     except TypeError:
-        raise ParameterError(f"{what} is {value}; it must be a number") from None
+        raise ParameterError(f"{what.format(name)} is {value}; it must be a number") from None
     if not math.isfinite(number):
-        raise ParameterError(f"{what} is {number}; it must be finite")
+        raise ParameterError(f"{what.format(name)} is {number}; it must be finite")
     return number
-
-
-def _from_output(
-    equations: Equations, name: str, value: float, numbers: Mapping[sympy.Symbol, float]
-) -> tuple[sympy.Symbol, float]:
-    """Solve ``output = value`` for the one state the output is affine in."""
-    expression = equations.substituted(equations.outputs[name])
-    states = [state for state in equations.states if state in expression.free_symbols]
-    slope = sympy.diff(expression, states[0]) if len(states) == 1 else sympy.S.Zero
-    others = expression.free_symbols - set(states) - set(numbers)
-    if slope == 0 or slope.free_symbols & set(states) or others:
-        raise ParameterError(
-            f"initial value of output {name!r} does not fix one state; give states instead: "
-            f"{', '.join(state.name for state in equations.states)}"
-        )
-    offset = expression.subs(states[0], 0).evalf(17, subs=numbers)
-    return states[0], _real(name, (value - offset) / slope.evalf(17, subs=numbers))

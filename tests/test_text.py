@@ -25,7 +25,7 @@ from bondgraph import (
     text,
 )
 from bondgraph.models import LIBRARY
-from bondgraph.parameters import resolve
+from bondgraph.resolver import resolve
 
 MODELS = sorted(LIBRARY)
 

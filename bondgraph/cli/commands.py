@@ -82,7 +82,7 @@ def equations(model: str, form: str, settings: tuple[str, ...], as_json: bool) -
     """Derive and print a model's equations."""
     from bondgraph import text
     from bondgraph.equations import derive
-    from bondgraph.parameters import resolve
+    from bondgraph.resolver import resolve
 
     from .load import load_model
 

@@ -15,7 +15,7 @@ from bondgraph.describe import mode_words
 from bondgraph.dimensions import si_unit
 from bondgraph.elements import DryFriction, Element, SignalBlock, Storage, Switched
 from bondgraph.graph import BondGraph
-from bondgraph.parameters import resolve
+from bondgraph.resolver import resolve
 from bondgraph.simulation import Trajectory
 
 from .options import print_json

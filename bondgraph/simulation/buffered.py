@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Callable
 from typing import Any
 
@@ -49,3 +50,31 @@ def evaluator(function: Any) -> Callable[..., Array]:
 
     evaluate.buffer = buffer  # type: ignore[attr-defined]  # keeps it alive
     return evaluate
+
+
+class PerThread:
+    """A CasADi function of one result called through buffers that each thread has of its own.
+
+    Parameters
+    ----------
+    function : casadi.Function
+        Of dense column vectors.
+
+    Examples
+    --------
+    >>> import casadi
+    >>> x = casadi.SX.sym("x", 2)
+    >>> PerThread(casadi.Function("double", [x], [2 * x]))(np.array([1.0, 3.0])).tolist()
+    [2.0, 6.0]
+    """
+
+    def __init__(self, function: Any) -> None:
+        self.function = function
+        self.kept = threading.local()
+
+    def __call__(self, *given: Any) -> Array:
+        """Return the result, shape (n,)."""
+        if not hasattr(self.kept, "call"):
+            self.kept.call = evaluator(self.function)
+        found: Array = self.kept.call(*given)
+        return found

@@ -15,7 +15,8 @@ import numpy
 import sympy
 
 from ..causality import CausalGraph
-from ..codegen.program import Program
+from ..codegen.program import Program, ProgramError
+from ..codegen.to_casadi import to_casadi
 from ..codegen.to_numpy import to_numpy
 from ..dimensions import infer
 from ..elements import C, Storage
@@ -23,7 +24,9 @@ from ..equations import Equations, derive
 from ..errors import BondGraphError
 from ..graph import TIME, BondGraph
 from ..modes import ModeEquations, contacts, mode_equations
-from ..parameters import Resolver
+from ..resolver import Resolver
+from ..values import InitialState
+from .buffered import PerThread
 from .mode_set import ModeSet
 from .smooth import SmoothFunctions, smooth_functions
 from .table import ModeFunctions, ModeTable
@@ -55,6 +58,8 @@ class CompiledModel:
         Whether runs search their modes, on the virtual machine.
     resolver : Resolver
         Evaluates the parameter table.
+    initial_state : InitialState
+        Evaluates the initial state.
 
     Examples
     --------
@@ -67,6 +72,7 @@ class CompiledModel:
         self.equations = derive(graph)
         self.contact_names = contacts(self.equations.graph)
         self.resolver = Resolver(self.equations.graph.parameters)
+        self.initial_state = InitialState(self.equations)
         looked_at = self._looked_at()
         self.switched = looked_at is None
         self.mode_set = self._modes_with_rates(looked_at or {})
@@ -176,42 +182,54 @@ class CompiledModel:
         return smooth_functions(self.equations, self._parameters())
 
     @functools.cached_property
-    def stored(self) -> Callable[..., Array] | None:
-        """Stored energy as a function of ``(t, x, u, p, s)``, x with the algebraic variables.
+    def measures(self) -> Callable[..., Array]:
+        """Slopes of the states' own laws, then stored energy, from ``(t, x, u, p, s)``.
 
-        Laws without a known potential are integrated numerically from zero;
-        None where a storage is modulated and has no potential.
+        A function of vectors to shape (n + 1,); the energy is NaN where a storage is modulated and
+        has no potential. Laws whose potential is not known are integrated numerically from zero.
+        Algebraic variables follow the states in x.
         """
         energies = self.equations.energies
         unknown = [name for name, energy in energies.items() if energy is None]
-        if not all(self._has_own_law(name) for name in unknown):
-            return None
+        tellable = all(self._has_own_law(name) for name in unknown)
         known = [energy for energy in energies.values() if energy is not None]
-        closed = to_numpy(self._program(self.equations, "stored", [sympy.Add(*known)]))
-        rest = [self._numeric_energy(name) for name in unknown]
+        closed = sympy.Add(*known) if tellable else sympy.nan
+        program = self._program(self.equations, "measures", [*self._slopes(), closed])
+        rest = [self._numeric_energy(name) for name in unknown] if tellable else []
+        try:
+            plain: Callable[..., Array] = PerThread(to_casadi(program))
+        except ProgramError:  # an energy may have a form in NumPy alone
+            wide = to_numpy(program)
 
-        def total(*arguments: Any) -> Array:
-            return closed(*arguments)[0][0] + sum(part(*arguments) for part in rest)
+            def plain(*given: Any) -> Array:
+                return wide(*(numpy.reshape(item, (-1, 1)) for item in given))[0][:, 0]
 
-        return total
+        if not rest:
+            return plain
 
-    @functools.cached_property
-    def stiffness_at(self) -> Callable[..., Array]:
-        """Slope of each state's own law, as a function of ``(t, x, u, p, s)``, of shape (n, ...)."""
+        def with_rest(*given: Any) -> Array:
+            found = plain(*given)
+            columns = [numpy.reshape(item, (-1, 1)) for item in given]
+            found[-1] += sum(float(part(*columns)[0]) for part in rest)
+            return found
+
+        return with_rest
+
+    def _slopes(self) -> list[sympy.Expr]:
+        """Return the slope of each state's own law; zero for a signal block, which holds no energy."""
         equations = self.equations
         elements = {f"{name}.{_letter(item)}": item for name, item in equations.graph.of(Storage)}
         local = equations.own_symbols
         slopes = []
         for state in equations.states:
             element = elements.get(state.name)
-            if element is None:  # a signal block holds no energy
+            if element is None:
                 slopes.append(sympy.S.Zero)
                 continue
             slope = sympy.diff(element.law, element.state).xreplace(local)
             # a law that jumps has no slope there that a number could tell
             slopes.append(slope.replace(sympy.DiracDelta, lambda *_: sympy.S.Zero))
-        function = to_numpy(self._program(equations, "stiffness", slopes))
-        return lambda *arguments: function(*arguments)[0]
+        return slopes
 
     def _has_own_law(self, name: str) -> bool:
         element = self.equations.graph.elements[name]

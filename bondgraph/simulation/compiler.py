@@ -121,9 +121,10 @@ def load_shared(source: str, name: str, flags: tuple[str, ...] = MEDIUM_FLAGS) -
 
 def load_driver() -> ctypes.CDLL:
     """The integrator of ``driver.c``."""
-    library = load_shared(_own("kernel.c") + _own("driver.c"), "driver")
+    library = load_shared(_own("kernel.c") + _own("driver.c") + _own("batch.c"), "driver")
     for name, arguments in (
         ("halfarrow_advance", [ctypes.c_void_p]),
+        ("halfarrow_batch", [ctypes.c_void_p] * 2),
         ("halfarrow_work_size", [ctypes.c_longlong] * 3),
         ("halfarrow_flag_size", [ctypes.c_longlong]),
         ("halfarrow_run_size", []),

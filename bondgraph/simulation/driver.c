@@ -9,6 +9,7 @@
  * events, or a look at the clock. All state is in `Run`, so the caller serves the request and calls
  * again. Every phase checks what it needs before it changes anything, and so can be entered twice.
  */
+#include <stddef.h>
 #include <time.h>
 
 /* What halfarrow_advance returns; from FINISHED on it is an outcome. */

@@ -8,6 +8,7 @@ machine; both give the same bits.
 from __future__ import annotations
 
 import logging
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -17,7 +18,7 @@ from .buffered import evaluator
 from .compiler import CompileError
 from .native import NativeRun
 from .outcome import Outcome
-from .problem import Event, InputTable, Options, Problem, Solution
+from .problem import Event, EventLog, InputTable, Options, Problem, Solution
 from .stepper import Stepper
 
 if TYPE_CHECKING:
@@ -114,16 +115,12 @@ def solution_of(stepper: Stepper, outcome: Outcome) -> Solution:
 def _integrate_native(problem: Problem, options: Options) -> Solution:
     this = NativeRun(problem, options)
     outcome = this.to_the_end(options.time_budget)
-    run, kept, n = this.run, this.kept, problem.modes.n
-    events = kept["events"][: run.event_count]
-    codes = kept["event_codes"][: run.event_count]
-    columns = events[:, 0], *codes.T, events[:, n + 1], events[:, n + 2]
-    t, switch, before, after, supplied, dissipated = (column.tolist() for column in columns)
-    states = list(events[:, 1 : n + 1])
+    run, kept = this.run, this.kept
+    events = EventLog(kept["events"][: run.event_count], kept["event_codes"][: run.event_count])
     return _solution(
         kept["rows"][: run.row_count],
         kept["row_codes"][: run.row_count],
-        list(map(Event, t, switch, before, after, states, supplied, dissipated)),
+        events,
         outcome,
         (run.t, kept["x_end"], kept["code"][: run.k]),
         (run.steps, run.rejected, run.evaluations),
@@ -137,7 +134,7 @@ def _integrate_native(problem: Problem, options: Options) -> Solution:
 def _solution(
     rows: Array,
     codes: Array,
-    events: list[Event],
+    events: Sequence[Event],
     outcome: Outcome,
     end: tuple[float, Array, Array],
     counts: tuple[int, int, int],

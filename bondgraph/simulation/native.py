@@ -42,15 +42,20 @@ class _Run(ctypes.Structure):
 
 
 # What halfarrow_advance returns, in the order of driver.c.
-_NEED_MODE, _ROWS_FULL, _EVENTS_FULL, _PAUSED, _FIRST_OUTCOME = range(1, 6)
-_OUTCOMES = (
-    Outcome.FINISHED,
-    Outcome.EVENT_LIMIT,
-    Outcome.CHATTERING,
-    Outcome.STEP_UNDERFLOW,
-    Outcome.STEP_LIMIT,
-    Outcome.NON_FINITE,
-    Outcome.DIVERGED,
+BATCH_DONE, _NEED_MODE, _ROWS_FULL, _EVENTS_FULL, PAUSED = range(5)
+OUTCOMES = dict(
+    enumerate(
+        (
+            Outcome.FINISHED,
+            Outcome.EVENT_LIMIT,
+            Outcome.CHATTERING,
+            Outcome.STEP_UNDERFLOW,
+            Outcome.STEP_LIMIT,
+            Outcome.NON_FINITE,
+            Outcome.DIVERGED,
+        ),
+        start=5,
+    )
 )
 
 
@@ -68,6 +73,7 @@ class NativeRun:
         self.driver = self.table.driver()
         self.memory = ctypes.create_string_buffer(self.driver.halfarrow_run_size())
         self.run = run = _Run.from_buffer(self.memory)
+        self.address = ctypes.addressof(self.memory)
         self.kept: dict[str, Any] = {}
         _, knots, values, linear = problem.input_table()
         t_eval = options.t_eval
@@ -76,7 +82,7 @@ class NativeRun:
         run.max_steps, run.max_events = options.max_steps, options.max_events
         run.t, run.t_end = problem.t_span
         run.rtol, run.max_step, run.bound = options.rtol, options.max_step, options.bound
-        run.energy0 = problem.energy0
+        run.energy0, run.slice = problem.energy0, LONGEST_PAUSE
         self.point("x0", problem.x0)
         self.point("parameters", problem.parameters)
         self.point(
@@ -144,23 +150,24 @@ class NativeRun:
     def to_the_end(self, time_budget: float) -> Outcome:
         """Advance, serving what the driver asks for, until it has an outcome."""
         deadline = time.monotonic() + time_budget
-        advance, run, address = (
-            self.driver.halfarrow_advance,
-            self.run,
-            ctypes.addressof(self.memory),
-        )
+        advance, run, address = self.driver.halfarrow_advance, self.run, self.address
         while True:
             left = deadline - time.monotonic()
             if left <= 0:
                 return Outcome.TIME_BUDGET
             run.slice = min(LONGEST_PAUSE, left)
             status = advance(address)
-            if status >= _FIRST_OUTCOME:
-                return _OUTCOMES[status - _FIRST_OUTCOME]
-            if status == _NEED_MODE:
-                self.table.machine_code(run.wanted)
-                self.show_modes()
-            elif status == _ROWS_FULL:
-                self.make_room_for_rows(2 * run.row_capacity)
-            elif status == _EVENTS_FULL:
-                self.make_room_for_events(2 * run.event_capacity + run.k)
+            if status in OUTCOMES:
+                return OUTCOMES[status]
+            self.serve(status)
+
+    def serve(self, status: int) -> None:
+        """Give the driver what it asks for."""
+        run = self.run
+        if status == _NEED_MODE:
+            self.table.machine_code(run.wanted)
+            self.show_modes()
+        elif status == _ROWS_FULL:
+            self.make_room_for_rows(2 * run.row_capacity)
+        elif status == _EVENTS_FULL:
+            self.make_room_for_events(2 * run.event_capacity + run.k)

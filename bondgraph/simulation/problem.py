@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal, NamedTuple
 
@@ -172,6 +172,32 @@ class Event(NamedTuple):
     dissipated: float
 
 
+class EventLog(Sequence[Event]):
+    """The events of a run, kept as arrays until they are looked at.
+
+    Parameters
+    ----------
+    rows : (ne, n + 3) array
+        Time, state, energies supplied and dissipated.
+    codes : (ne, 3) array of int
+        Switch, its code before and after.
+    """
+
+    def __init__(self, rows: Array, codes: Array) -> None:
+        self.rows, self.codes = rows, codes
+
+    def __len__(self) -> int:
+        return len(self.rows)
+
+    def __getitem__(self, index: Any) -> Any:
+        if isinstance(index, slice):
+            return EventLog(self.rows[index], self.codes[index])
+        row, (switch, before, after) = self.rows[index], self.codes[index].tolist()
+        return Event(
+            float(row[0]), switch, before, after, row[1:-2], float(row[-2]), float(row[-1])
+        )
+
+
 @dataclass(frozen=True, eq=False)
 class Solution:
     """What `integrate` found; rows are output times.
@@ -182,7 +208,7 @@ class Solution:
         Times, states and codes; a row exactly at an event holds the codes after it.
     supplied, dissipated : (nt,) arrays, J
         Energies since the start.
-    events : list of Event
+    events : sequence of Event
     outcome : Outcome
     t_end, x_end, codes_end, supplied_end, dissipated_end
         The last good point, whatever the outcome.
@@ -195,7 +221,7 @@ class Solution:
     codes: Array
     supplied: Array
     dissipated: Array
-    events: list[Event]
+    events: Sequence[Event]
     outcome: Outcome
     t_end: float
     x_end: Array

@@ -12,7 +12,7 @@ from ..causality import CausalGraph
 from ..codegen.program import ProgramError
 from ..errors import BondGraphError, SimulationError
 from ..graph import BondGraph
-from ..values import algebraic_guess, initial_values, parameter_values
+from ..values import algebraic_guess, parameter_values
 from .compiled import CompiledModel
 from .hybrid import integrate
 from .inputs import at, gather
@@ -26,7 +26,7 @@ from .smooth import (
 )
 from .solvers import choose
 from .switched import imposed_before, integrate_switched, mask_of
-from .trajectory import Energy, Event, Trajectory
+from .trajectory import Energy, Trajectory
 
 
 def simulate(
@@ -114,7 +114,7 @@ def simulate(
     chosen = choose(model, solver, backend)
     values = parameter_values(equations, parameters, model.resolver)
     table = gather(equations, inputs, switched=model.switched)
-    x0 = numpy.array(initial_values(equations, values, initial), dtype=float)
+    x0 = numpy.array(model.initial_state(values, initial), dtype=float)
     p = numpy.array([values[symbol.name] for symbol in equations.parameters], dtype=float)
     options = Options(
         rtol=_tolerance(rtol),
@@ -148,8 +148,8 @@ def _hybrid(
     if model.switched:
         return _searched(model, start, values, table, options)
     model.modes.functions(0)  # first, to say by name what has no numeric form
-    stored, weights = _measures(model, span[0], x0, table, p)
-    energy = stored(span[0], x0) if stored else 0.0
+    stored, weights = measured(model, span[0], x0, table, p)
+    energy = stored or 0.0
     problem = Problem(
         modes=model.modes,
         parameters=p,
@@ -160,7 +160,9 @@ def _hybrid(
         energy0=energy,
     )
     solution = integrate(problem, options)
-    end = stored(solution.t_end, solution.x_end) if stored else None
+    end = None
+    if stored is not None:
+        end, _ = measured(model, solution.t_end, solution.x_end, table, p)
     return _trajectory(model, solution, values, table, _audit(solution, energy, end))
 
 
@@ -227,12 +229,12 @@ def _smooth(
         options=options,
     )
     solution = integrate_smooth(problem)
-    stored, _ = _measures(model, span[0], numpy.append(x0, problem.z0), table, p)
-    ends = (None, None)
-    if stored:
-        first = stored(span[0], numpy.append(x0, problem.z0))
-        ends = first, stored(solution.t_end, numpy.append(solution.x_end, solution.z_end))
-    audit = _audit(solution, ends[0] or 0.0, ends[1])
+    first, _ = measured(model, span[0], numpy.append(x0, problem.z0), table, p)
+    end = None
+    if first is not None:
+        last = numpy.append(solution.x_end, solution.z_end)
+        end, _ = measured(model, solution.t_end, last, table, p)
+    audit = _audit(solution, first or 0.0, end)
     return _smooth_trajectory(model, solution, values, table, audit, solver)
 
 
@@ -267,23 +269,17 @@ def _grid(t_eval: Any, span: tuple[float, float]) -> numpy.ndarray | None:
     return grid
 
 
-def _measures(
-    model: CompiledModel, t0: float, x0: numpy.ndarray, table: Any, p: numpy.ndarray
-) -> tuple[Any, numpy.ndarray]:
-    """Return the stored-energy function of (t, x), and each state's scale for unit energy."""
-
-    def arguments(t: float, x: numpy.ndarray) -> tuple[Any, ...]:
-        directions = numpy.ones((len(model.equations.contacts), 1))
-        return numpy.array([[t]]), x[:, None], at(table, numpy.array([t])), p[:, None], directions
-
-    slopes = model.stiffness_at(*arguments(t0, x0))[:, 0]
+def measured(
+    model: CompiledModel, t: float, x: numpy.ndarray, table: Any, p: numpy.ndarray
+) -> tuple[float | None, numpy.ndarray]:
+    """Return the stored energy, None where unknown, and each state's scale for unit energy."""
+    u = at(table, numpy.array([t]))[:, 0]
+    found = model.measures(t, x, u, p, numpy.ones(len(model.equations.contacts)))
+    slopes, energy = found[:-1], float(found[-1])
     weights = numpy.zeros(len(slopes))
     usable = numpy.isfinite(slopes) & (slopes > 0)
     weights[usable] = 1 / numpy.sqrt(slopes[usable])
-    energy = model.stored
-    if energy is None:
-        return None, weights
-    return lambda t, x: float(energy(*arguments(t, x))[0]), weights
+    return None if math.isnan(energy) else energy, weights
 
 
 def _audit(solution: Solution | SmoothSolution, start: float, end: float | None) -> Energy:
@@ -299,22 +295,11 @@ def _audit(solution: Solution | SmoothSolution, start: float, end: float | None)
 def _trajectory(
     model: CompiledModel, solution: Solution, values: dict[str, float], table: Any, energy: Energy
 ) -> Trajectory:
-    names = model.contact_names
-    elements = [model.equations.graph.elements[name] for name in names]
-    events = tuple(
-        Event(
-            event.t,
-            names[event.switch],
-            elements[event.switch].label(event.before),  # type: ignore[attr-defined]
-            elements[event.switch].label(event.after),  # type: ignore[attr-defined]
-        )
-        for event in solution.events
-    )
     return Trajectory(
         t=solution.t,
         x=solution.x.T,
         codes=solution.codes,
-        events=events,
+        changes=solution.events,
         outcome=solution.outcome,
         t_end=solution.t_end,
         energy=energy,
@@ -341,7 +326,7 @@ def _smooth_trajectory(
         t=solution.t,
         x=solution.x.T,
         codes=none,
-        events=(),
+        changes=(),
         outcome=solution.outcome,
         t_end=solution.t_end,
         energy=energy,

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import csv
+import functools
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -14,6 +16,7 @@ from ..parameters import unknown_name
 from .compiled import CompiledModel
 from .inputs import at
 from .outcome import Outcome
+from .problem import Event as Change
 
 if TYPE_CHECKING:
     import pandas
@@ -78,7 +81,8 @@ class Trajectory:
         Times, s.
     x : (n, nt) array
         States, ordered as ``model.equations.states``.
-    events : tuple of Event
+    changes : sequence
+        The events as the integrator logged them, by number of contact and code.
     outcome : Outcome
         Named; `outcome.ok` only where the run reached its end.
     t_end : float
@@ -99,7 +103,7 @@ class Trajectory:
     t: Array
     x: Array
     codes: Array
-    events: tuple[Event, ...]
+    changes: Sequence[Change]
     outcome: Outcome
     t_end: float
     energy: Energy
@@ -125,6 +129,22 @@ class Trajectory:
         return (
             f"Trajectory({self.model.equations.name!r}, {self.outcome.value} at {self.t_end:g} s, "
             f"{len(self.t)} samples, {len(self.events)} events)"
+        )
+
+    @functools.cached_property
+    def events(self) -> tuple[Event, ...]:
+        """Changes of mode in order, with the names of elements and modes."""
+        names = self.model.contact_names
+        graph = self.model.equations.graph
+        labels = [{code: label for label, code in graph[name].modes.items()} for name in names]
+        return tuple(
+            Event(
+                change.t,
+                names[change.switch],
+                labels[change.switch][change.before],
+                labels[change.switch][change.after],
+            )
+            for change in self.changes
         )
 
     @property

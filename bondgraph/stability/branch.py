@@ -10,7 +10,8 @@ import numpy
 
 from ..errors import SteadyStateError
 from ..graph import BondGraph
-from ..parameters import Resolver, unknown_name
+from ..parameters import unknown_name
+from ..resolver import Resolver
 from ..smooth import Smooth
 from ..steady import SteadyState, solve_rates
 from ..values import initial_values, parameter_values

@@ -12,7 +12,8 @@ from ..errors import ParameterError
 from ..graph import TIME, BondGraph
 from ..laws import exact
 from ..modes import CODES, in_mode
-from ..parameters import resolve, unknown_name
+from ..parameters import unknown_name
+from ..resolver import resolve
 from .expand import Expanded, expand
 from .jacobian import eliminated, inverse, jacobian
 from .system import SymbolicSystem

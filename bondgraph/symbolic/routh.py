@@ -16,7 +16,8 @@ import sympy
 
 from ..errors import ParameterError
 from ..laws import exact
-from ..parameters import Parameter, resolve
+from ..parameters import Parameter
+from ..resolver import resolve
 from .array import RouthArray, array_of
 from .determinant import determinant
 from .latex import conditions_latex
