@@ -6,10 +6,17 @@ import importlib.util
 import sys
 import traceback
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+import click
 
 from bondgraph.errors import BondGraphError, ModelError, suggestion
 from bondgraph.graph import BondGraph
+
+from .options import read_number
+
+if TYPE_CHECKING:
+    from bondgraph.simulation import Samples
 
 
 def report_parts(word: str, parameters: dict[str, Any]) -> tuple[list[Any], str, list[Any]]:
@@ -74,6 +81,45 @@ def load_model(word: str) -> BondGraph:
     if word.endswith(".py"):
         raise ModelError(f"{word}: say which graph of the file, as {word}:name")
     return _from_library(word)
+
+
+def read_inputs(graph: BondGraph, words: tuple[str, ...]) -> dict[str, float | Samples]:
+    """Read NAME=FILE.csv and NAME=VALUE words of ``--input``.
+
+    Parameters
+    ----------
+    graph : BondGraph
+    words : tuple of str
+
+    Returns
+    -------
+    dict of str to float or Samples
+
+    Raises
+    ------
+    click.UsageError, ParameterError
+
+    Examples
+    --------
+    >>> read_inputs(load_model("quarter_car"), ("v_road=0.5",))
+    {'v_road': 0.5}
+    """
+    from bondgraph.parameters import unknown_name
+    from bondgraph.simulation import Samples
+
+    units = {symbol.name: unit for symbol, unit in graph.inputs.items()}
+    inputs: dict[str, float | Samples] = {}
+    for word in words:
+        name, equals, text = word.partition("=")
+        if not equals or not text:
+            raise click.UsageError(f"--input {word!r}: write NAME=FILE.csv or NAME=VALUE")
+        if name not in units:
+            raise unknown_name("input", name, units)
+        if text.endswith(".csv"):
+            inputs[name] = Samples.read(text, name, units[name])
+        else:
+            inputs[name] = read_number(text, f"--input {name}")
+    return inputs
 
 
 def _from_library(word: str) -> BondGraph:

@@ -137,7 +137,11 @@ def _bounds(name: str, given: Any) -> tuple[str, float, float, str]:
         low, high, unit = (*given, "") if len(given) == 2 else given
         low, high = float(low), float(high)
     except (TypeError, ValueError):
-        raise SweepError(f"range of {name!r}: write (lo, hi) or (lo, hi, unit), got {given!r}") from None
+        raise SweepError(
+            f"range of {name!r}: write (lo, hi) or (lo, hi, unit), got {given!r}"
+        ) from None
     if not (math.isfinite(low) and math.isfinite(high)) or low >= high:
-        raise SweepError(f"range of {name!r}: {low:g} to {high:g} is none; give two finite ends, lo < hi")
+        raise SweepError(
+            f"range of {name!r}: {low:g} to {high:g} is none; give two finite ends, lo < hi"
+        )
     return name, low, high, unit

@@ -120,7 +120,9 @@ def samples(rows: Mapping[str, Any] | Sequence[Mapping[str, Any]]) -> Points:
     lengths = {name: len(column) for name, (column, _) in given.items()}
     if len(set(lengths.values())) > 1:
         told = ", ".join(f"{name} {length}" for name, length in lengths.items())
-        raise SweepError(f"the columns of samples differ in length: {told}; give each one value a point")
+        raise SweepError(
+            f"the columns of samples differ in length: {told}; give each one value a point"
+        )
     return Points(
         {name: column for name, (column, _) in given.items()},
         {name: unit for name, (_, unit) in given.items()},
@@ -156,7 +158,9 @@ def _values(name: Any, given: Any) -> tuple[Array, str]:
     except (TypeError, ValueError):
         raise SweepError(f"values of {str(name)!r} must be numbers, got {values!r:.80}") from None
     if column.ndim > 1:
-        raise SweepError(f"values of {str(name)!r} must stand in one row, not in shape {column.shape}")
+        raise SweepError(
+            f"values of {str(name)!r} must stand in one row, not in shape {column.shape}"
+        )
     return column.reshape(-1), unit
 
 
@@ -167,7 +171,9 @@ def _transposed(rows: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     for name in names:
         missing = [index for index, row in enumerate(rows) if name not in row]
         if missing:
-            raise SweepError(f"point {missing[0]} has no {name!r}, which others have; give it to all")
+            raise SweepError(
+                f"point {missing[0]} has no {name!r}, which others have; give it to all"
+            )
         pairs = [row[name] if isinstance(row[name], tuple) else (row[name], "") for row in rows]
         units = {unit for _, unit in pairs}
         if len(units) > 1:

@@ -16,7 +16,7 @@ from ..errors import SweepError, suggestion
 
 if TYPE_CHECKING:
     from ..simulation import CompiledModel, Trajectory
-    from .endpoints import EndPoints
+    from ..simulation.ends import Ends
 
 Array = numpy.ndarray
 Span = tuple[float, float]
@@ -57,7 +57,7 @@ class Quantity:
         """Return the number of a finished run."""
         raise NotImplementedError
 
-    def of_ends(self, ends: EndPoints) -> Array:
+    def of_ends(self, ends: Ends) -> Array:
         """Return the numbers of finished runs, of shape (np,); for ``needs = ENDS`` alone."""
         raise NotImplementedError
 
@@ -95,13 +95,13 @@ class Final(Quantity):
 
     def of_run(self, run: Trajectory) -> float:
         """Return the signal at the last time."""
-        from .endpoints import end_of
+        from ..simulation.ends import gathered
 
-        return float(end_of(run).signal(self.signal)[0])
+        return float(gathered(run.model, [run]).signals([self.signal])[0, 0])
 
-    def of_ends(self, ends: EndPoints) -> Array:
+    def of_ends(self, ends: Ends) -> Array:
         """Return the signal at the last times."""
-        return ends.signal(self.signal)
+        return ends.signals([self.signal])[0]
 
 
 @dataclass(frozen=True)
@@ -231,9 +231,11 @@ class Count(Quantity):
         """Return the number of entries."""
         return float(len(_entries(run, self.element, self.mode)))
 
-    def of_ends(self, ends: EndPoints) -> Array:
+    def of_ends(self, ends: Ends) -> Array:
         """Return the numbers of entries."""
-        return ends.entries(self.element, self.mode)
+        column = ends.model.contact_names.index(self.element)
+        code = ends.model.equations.graph[self.element].modes[self.mode]
+        return ends.entered[:, column, int(numpy.sign(code)) % 3].astype(float)
 
 
 @dataclass(frozen=True)
@@ -326,6 +328,8 @@ ENERGIES = {"supplied": "J", "stored": "J", "dissipated": "J", "residual": ""}
 class Energy(Quantity):
     """One term of the energy audit, or the relative residual.
 
+    NaN where a storage's law has no potential, so that its energy is not known.
+
     Attributes
     ----------
     term : {"residual", "supplied", "stored", "dissipated"}
@@ -338,6 +342,7 @@ class Energy(Quantity):
 
     term: str = "residual"
     needs: ClassVar[str] = ENDS
+    optional: ClassVar[bool] = True
 
     @property
     def label(self) -> str:
@@ -349,14 +354,9 @@ class Energy(Quantity):
         return ENERGIES[self.term]
 
     def check(self, model: CompiledModel, span: Span) -> None:
-        """Raise SweepError for an unknown term, or a model whose stored energy is not known."""
+        """Raise SweepError for an unknown term."""
         if self.term not in ENERGIES:
             raise SweepError(f"energy {self.term!r} is not known; use {', '.join(ENERGIES)}")
-        if self.term in ("stored", "residual") and not model.switched and model.stored is None:
-            raise SweepError(
-                f"model {model.equations.name!r} has a storage whose law has no potential, so its "
-                f"stored energy is not known; keep energy:supplied or energy:dissipated instead"
-            )
 
     def of_run(self, run: Trajectory) -> float:
         """Return the term of the run's audit."""
@@ -364,9 +364,9 @@ class Energy(Quantity):
         value = getattr(run.energy, name)
         return math.nan if value is None else float(value)
 
-    def of_ends(self, ends: EndPoints) -> Array:
+    def of_ends(self, ends: Ends) -> Array:
         """Return the terms of the runs' audits."""
-        return ends.energy(self.term)
+        return numpy.asarray(getattr(ends, self.term))
 
 
 def unit_of(model: CompiledModel, signal: str) -> str:

@@ -61,7 +61,9 @@ def as_quantities(given: Any) -> tuple[Named, ...]:
         raise SweepError(f"a sweep keeps at least one quantity: {_FORMS}")
     for name in names:
         if names.count(name) > 1:
-            raise SweepError(f"quantity {name!r} is given twice; name them apart: {{'name': quantity}}")
+            raise SweepError(
+                f"quantity {name!r} is given twice; name them apart: {{'name': quantity}}"
+            )
         if not name or "/" in name:
             raise SweepError(f"a quantity cannot be called {name!r}; give it a word without '/'")
     return named
