@@ -198,8 +198,10 @@ class _Shown(_Silent):
     """A bar on a terminal; elsewhere a line a second."""
 
     def __enter__(self) -> Any:
-        self._bar, self._task = (None, None) if not sys.stderr.isatty() else _bar()
         self._said = 0.0
+        self._bar: Any = None
+        if sys.stderr.isatty():
+            self._bar, self._task = _bar()
         return self
 
     def __exit__(self, *error: object) -> None:

@@ -228,9 +228,10 @@ class BondGraph:
         )
 
 
-def _restored(*values: Any) -> BondGraph:
+def _restored(*given: Any) -> BondGraph:
     """Make a graph again from what was pickled."""
-    return BondGraph(*(MappingProxyType(v) if isinstance(v, dict) else v for v in values))
+    values: list[Any] = [MappingProxyType(v) if isinstance(v, dict) else v for v in given]
+    return BondGraph(*values)
 
 
 def signals_of(elements: Mapping[str, Element]) -> tuple[Signal, ...]:

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 HATCHES = ("////", "....", "xx", "\\\\\\\\", "++", "oo")
+FAINT = "#8a9099"
 _OWN = ("outcome", "t_end", "message", "seconds")
 
 
@@ -51,9 +52,7 @@ def sweep_map(dataset: xarray.Dataset, name: str | None = None, *, ax: Axes | No
     """
     chosen = _chosen(dataset, name)
     values = dataset[chosen]
-    axes = [
-        str(key) for key in dataset.coords if set(dataset[key].dims) <= set(dataset.outcome.dims)
-    ]
+    axes = [str(key) for key in dataset.coords if dataset[key].dims]
     if values.dims != dataset.outcome.dims or not 1 <= len(axes) <= 2:
         raise BondGraphError(
             f"{chosen!r} over {', '.join(axes)} makes no curve and no map; select one value of the "
@@ -100,6 +99,7 @@ def _failures(dataset: xarray.Dataset) -> dict[str, Any]:
 
 
 def _map(ax: Axes, dataset: xarray.Dataset, values: xarray.DataArray, axes: list[str]) -> Any:
+    from matplotlib.collections import PolyCollection
     from matplotlib.patches import Patch
 
     edges = [_edges(numpy.asarray(dataset[name].values, dtype=float)) for name in axes]
@@ -108,11 +108,21 @@ def _map(ax: Axes, dataset: xarray.Dataset, values: xarray.DataArray, axes: list
     mesh = ax.pcolormesh(*edges, shown, cmap="viridis", rasterized=True)
     handles = []
     for (outcome, where), hatch in zip(_failures(dataset).items(), HATCHES, strict=False):
-        cells = numpy.ma.masked_array(numpy.zeros(where.shape), ~where).T
-        ax.pcolor(*edges, cells, hatch=hatch, alpha=0.0, edgecolor=INK, lw=0)
-        handles.append(Patch(facecolor="white", edgecolor=INK, hatch=hatch, label=outcome))
+        cells = PolyCollection(_corners(edges, where), hatch=hatch, facecolor="none")
+        cells.set(edgecolor=FAINT, linewidth=0)
+        ax.add_collection(cells, autolim=False)
+        handles.append(Patch(facecolor="white", edgecolor=FAINT, hatch=hatch, label=outcome))
     _legend(ax, handles)
     return mesh
+
+
+def _corners(edges: list[numpy.ndarray], where: numpy.ndarray) -> list[numpy.ndarray]:
+    """Return the rectangles of the cells where something holds."""
+    x, y = edges
+    return [
+        numpy.array([(x[i], y[j]), (x[i + 1], y[j]), (x[i + 1], y[j + 1]), (x[i], y[j + 1])])
+        for i, j in numpy.argwhere(where)
+    ]
 
 
 def _cloud(ax: Axes, dataset: xarray.Dataset, values: xarray.DataArray, axes: list[str]) -> Any:

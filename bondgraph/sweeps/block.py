@@ -129,7 +129,7 @@ def to_bytes(block: Block) -> bytes:
     """
     told = {"messages": block.messages, "names": [piece.name for piece in block.pieces]}
     text = numpy.frombuffer(json.dumps(told).encode(), dtype=numpy.uint8)
-    arrays = {f"rows{i}": piece.rows for i, piece in enumerate(block.pieces)}
+    arrays: dict[str, Any] = {f"rows{i}": piece.rows for i, piece in enumerate(block.pieces)}
     arrays |= {f"values{i}": piece.values for i, piece in enumerate(block.pieces)}
     buffer = io.BytesIO()
     numpy.savez(

@@ -109,7 +109,7 @@ def parse_quantity(text: str) -> Quantity:
     if kind == "time" and len(words) == 3 and re.fullmatch(r"-?\d+", words[2]):
         return EventTime(words[0], words[1], int(words[2]))
     if kind in _MODES and len(words) == 2 and all(words):
-        return Share(*words, after) if kind == "share" else _MODES[kind](*words)
+        return Share(words[0], words[1], after) if kind == "share" else _MODES[kind](*words)
     raise SweepError(f"quantity {text!r} cannot be read; write {_FORMS}")
 
 
