@@ -160,7 +160,8 @@ def _values(
     for name, parts in found.items():
         for rows, values in parts:
             good = outcome[rows] == FINISHED
-            full[name][rows[good]] = values[good]
+            if values.shape[1:] == shapes[name]:
+                full[name][rows[good]] = values[good]
     return full
 
 

@@ -179,7 +179,7 @@ def differences(mine: Mapping[str, Any], theirs: Mapping[str, Any]) -> list[str]
             inside = [
                 key for key in dict.fromkeys((*one, *other)) if one.get(key) != other.get(key)
             ]
-            found.append(f"{name}: {', '.join(inside)}" if inside else f"{name}: their order")
+            found.append(f"{name}: {', '.join(inside)}")
         else:
             found.append(name)
     return found
