@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import concurrent.futures as cf
+import contextlib
 import multiprocessing
 import os
-from collections.abc import Callable
+import signal
+from collections.abc import Callable, Iterator
 from typing import Any, Protocol
 
 from ..errors import SweepError
@@ -117,7 +119,9 @@ class Processes:
         self._stop = self._context.Event()
         self._executor = self._fresh()
         try:
-            self._executor.submit(ready).result()
+            with _without_interrupts():
+                first = self._executor.submit(ready)
+            first.result()
         except cf.BrokenExecutor:
             raise SweepError(
                 "worker processes do not start; in a script, put what it does under "
@@ -132,7 +136,8 @@ class Processes:
     def submit(self, columns: Columns) -> cf.Future[Block]:
         """Begin a chunk; raises Died."""
         try:
-            return self._executor.submit(run_parcel, self._parcel, columns)
+            with _without_interrupts():  # it may start a worker
+                return self._executor.submit(run_parcel, self._parcel, columns)
         except cf.BrokenExecutor as error:
             raise Died from error
 
@@ -189,6 +194,19 @@ class Given:
             future.cancel()
         if self._replaced:
             self._executor.shutdown(wait=True, cancel_futures=True)
+
+
+@contextlib.contextmanager
+def _without_interrupts() -> Iterator[None]:
+    """Let processes that are started meanwhile be deaf to Ctrl-C; this one hears of it afterwards."""
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def _width(executor: Any, usual: int) -> int:
