@@ -12,8 +12,14 @@ import numpy
 from ..dimensions import si_unit
 from ..errors import ParameterError, SweepError, suggestion
 from ..graph import BondGraph
+from ..parameters import Parameter, unknown_name
+from ..resolver import resolve
 from ..simulation import CompiledModel
+from ..simulation.inputs import gather
+from ..simulation.problem import Options
+from ..simulation.solvers import choose
 from ..units import check_compatible, to_si
+from ..values import algebraic_names
 from .points import Points
 from .quantities import ENDS, RUN, Quantity
 from .read import Named
@@ -89,10 +95,39 @@ def made_job(
     for item in quantities:
         if isinstance(item.what, Quantity):
             item.what.check(model, span)
+    _check_options(model, options)
     given: Any = tuple(
         {_name(key): value for key, value in (part or {}).items()} for part in shared
     )
+    _check_shared(model, given)
     return Job(model.equations.graph, span, quantities, given, dict(options), _times(t_eval, span))
+
+
+def _check_options(model: CompiledModel, options: Mapping[str, Any]) -> None:
+    """Raise for what would refuse every point."""
+    rtol = options["rtol"]
+    if not isinstance(rtol, int | float) or not 1e-13 <= rtol <= 0.1:
+        raise SweepError(f"rtol is {rtol!r}; it must lie between 1e-13 and 0.1")
+    choose(model, options["solver"], options["backend"])
+    limits = ("atol", "max_step", "max_events", "max_steps", "time_budget", "backend")
+    Options(**{name: options[name] for name in limits})
+
+
+def _check_shared(model: CompiledModel, shared: tuple[dict[str, Any], ...]) -> None:
+    """Raise for names the model does not have, and values that no such parameter has."""
+    parameters, initial, inputs = shared
+    table = {symbol.name: symbol for symbol in model.equations.graph.parameters}
+    for name, value in parameters.items():
+        if name not in table:
+            raise unknown_name("parameter", name, table)
+        row = model.equations.graph.parameters[table[name]]
+        resolve({table[name]: Parameter(None, row.unit)}, {name: value})
+    states = [state.name for state in model.equations.states]
+    known = [*states, *model.equations.outputs, *algebraic_names(model.equations)]
+    for name in initial:
+        if name not in known:
+            raise unknown_name("state", name, known)
+    gather(model.equations, inputs, switched=model.switched)
 
 
 def in_si(model: CompiledModel, points: Points, job: Job) -> dict[str, Array]:
