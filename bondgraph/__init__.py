@@ -46,7 +46,15 @@ if TYPE_CHECKING:
     from .linear import LinearSystem, linearize
     from .modes import in_mode, smoothed
     from .parameters import Parameter
-    from .simulation import CompiledModel, Outcome, Samples, Trajectory, simulate
+    from .simulation import (
+        CompiledModel,
+        Outcome,
+        Samples,
+        Sensitivities,
+        Trajectory,
+        sensitivities,
+        simulate,
+    )
     from .steady import SteadyState, steady_state
     from .symbolic import SymbolicSystem, routh_hurwitz, symbolic_system
 
@@ -84,6 +92,7 @@ _HOME = {
     "RS": "elements",
     "Samples": "simulation",
     "Se": "elements",
+    "Sensitivities": "simulation",
     "Sf": "elements",
     "SteadyState": "steady",
     "Switch": "elements",
@@ -101,6 +110,7 @@ _HOME = {
     "routh_hurwitz": "symbolic",
     "report_causality": "causality_report",
     "save": "files",
+    "sensitivities": "simulation",
     "simulate": "simulation",
     "smoothed": "modes",
     "steady_state": "steady",
@@ -150,6 +160,8 @@ __all__ = [
     "Samples",
     "save",
     "Se",
+    "Sensitivities",
+    "sensitivities",
     "Sf",
     "simulate",
     "smoothed",

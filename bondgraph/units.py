@@ -138,6 +138,20 @@ def check_compatible(unit: str, expected: str) -> None:
         )
 
 
+def si_unit(unit: str) -> str:
+    """Return the coherent SI unit that a value has inside; the unit itself where it is one.
+
+    Examples
+    --------
+    >>> si_unit("N/mm"), si_unit("kg*m^2")
+    ('kg/s^2', 'kg*m^2')
+    """
+    if not unit or to_si(1.0, unit) == 1.0:
+        return unit
+    plain = f"{_base(parse_unit(unit)):~}"
+    return plain.replace(" ** ", "^").replace(" ", "")
+
+
 def _base(unit: Any) -> Any:
     """Coherent SI units of a unit; a turn, a cycle and a degree come out in radian."""
     return _registry().Quantity(1.0, unit).to_base_units().units

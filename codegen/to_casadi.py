@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import functools
 import operator
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from typing import Any
 
 import casadi
@@ -15,6 +15,7 @@ import sympy
 
 from .collector import held_back
 from .program import Program, ProgramError
+from .symbols import symbols_in
 
 # SX operators by sympy class; the number of arguments is what sympy gives.
 FUNCTIONS: dict[Any, Callable[..., Any]] = {
@@ -59,12 +60,16 @@ _times = functools.partial(casadi.SX.binary, casadi.OP_MUL)
 
 
 @held_back()
-def to_casadi(program: Program) -> casadi.Function:
+def to_casadi(program: Program, fixed: Collection[str] = ()) -> casadi.Function:
     """Build a CasADi function on dense column vectors.
 
     Parameters
     ----------
     program : Program
+    fixed : collection of str
+        Arguments that stay the same over many calls, such as parameters. What depends on them
+        alone is kept together, so that a compiler can take it out of a loop over the calls; a
+        division by them becomes a product with a reciprocal.
 
     Returns
     -------
@@ -84,12 +89,16 @@ def to_casadi(program: Program) -> casadi.Function:
     9.0
     """
     inputs = [casadi.SX.sym(label, len(symbols)) for label, symbols in program.arguments]
-    known: dict[sympy.Basic, Any] = {}
-    for vector, (_, symbols) in zip(inputs, program.arguments, strict=True):
+    known = _Known()
+    for vector, (label, symbols) in zip(inputs, program.arguments, strict=True):
         parts = casadi.vertsplit(vector) if symbols else []
-        known.update(zip(symbols, parts, strict=True))
+        known.values.update(zip(symbols, parts, strict=True))
+        if label in fixed:
+            known.fixed.update(symbols)
     for symbol, expression in program.assignments:
-        known[symbol] = _convert(expression, known)
+        known.values[symbol] = _convert(expression, known)
+        if known.fixed and known.stays(expression):
+            known.fixed.add(symbol)
     outputs = []
     for _, expressions in program.results:
         column = [_convert(expression, known) for expression in expressions]
@@ -103,16 +112,28 @@ def to_casadi(program: Program) -> casadi.Function:
     )
 
 
-def _convert(expression: sympy.Basic, known: dict[sympy.Basic, Any]) -> Any:
-    """Translate a tree; ``known`` remembers symbols, numbers and subexpressions."""
-    found = known.get(expression)
+class _Known:
+    """What has been translated: symbols, numbers and subexpressions; and which symbols are fixed."""
+
+    def __init__(self) -> None:
+        self.values: dict[sympy.Basic, Any] = {}
+        self.fixed: set[sympy.Basic] = set()
+
+    def stays(self, expression: sympy.Basic) -> bool:
+        """Whether an expression depends on fixed symbols alone."""
+        return symbols_in(expression) <= self.fixed
+
+
+def _convert(expression: sympy.Basic, known: _Known) -> Any:
+    """Translate a tree, but for what is known already."""
+    found = known.values.get(expression)
     if found is not None:
         return found
-    value = known[expression] = _translate(expression, known)
+    value = known.values[expression] = _translate(expression, known)
     return value
 
 
-def _translate(expression: sympy.Basic, known: dict[sympy.Basic, Any]) -> Any:
+def _translate(expression: sympy.Basic, known: _Known) -> Any:
     if expression.is_Symbol:
         raise ProgramError(f"{expression} is not known")
     if expression in (sympy.true, sympy.false):
@@ -123,6 +144,8 @@ def _translate(expression: sympy.Basic, known: dict[sympy.Basic, Any]) -> Any:
         return _piecewise(expression, known)
     if isinstance(expression, sympy.Pow):
         return _power(expression, known)
+    if isinstance(expression, sympy.Mul) and known.fixed:
+        return _product(expression, known)
     arguments = [_convert(argument, known) for argument in expression.args]
     if isinstance(expression, sympy.Add):
         return functools.reduce(_plus, arguments)
@@ -136,7 +159,24 @@ def _translate(expression: sympy.Basic, known: dict[sympy.Basic, Any]) -> Any:
     return function(*arguments)
 
 
-def _power(expression: sympy.Pow, known: dict[sympy.Basic, Any]) -> Any:
+def _product(expression: sympy.Mul, known: _Known) -> Any:
+    """Multiply what is fixed first, then the rest with it."""
+    staying = [item for item in expression.args if known.stays(item)]
+    moving = [_convert(item, known) for item in expression.args if item not in staying]
+    below = [item for item in staying if item.is_Pow and item.exp.could_extract_minus_sign()]
+    factors = [_convert(item, known) for item in staying if item not in below]
+    if not moving or not below:
+        return functools.reduce(_times, [*factors, *moving])
+    divisor = functools.reduce(_times, [_convert(1 / item, known) for item in below])
+    if factors:
+        scale = functools.reduce(_times, factors) / divisor
+    else:  # of 1 / divisor CasADi would make a division again
+        half = casadi.SX(0.5) / divisor
+        scale = half + half
+    return functools.reduce(_times, moving, scale)
+
+
+def _power(expression: sympy.Pow, known: _Known) -> Any:
     base, exponent = expression.args
     below = _convert(base, known)
     if exponent == sympy.S.Half:
@@ -156,7 +196,7 @@ def _integer_power(base: Any, exponent: int) -> Any:
     return functools.reduce(operator.mul, [base] * exponent)
 
 
-def _piecewise(expression: sympy.Piecewise, known: dict[sympy.Basic, Any]) -> Any:
+def _piecewise(expression: sympy.Piecewise, known: _Known) -> Any:
     result: Any = float("nan")
     for value, condition in reversed(expression.args):
         branch = _convert(value, known)

@@ -128,7 +128,7 @@ def equations(model: str, form: str, settings: tuple[str, ...], as_json: bool) -
     "--solver",
     type=click.Choice(["auto", "dopri5", "cvodes", "idas", "rosenbrock"]),
     default="auto",
-    help="Integrator; stiff models: cvodes.",
+    help="Integrator; auto looks at the model and says why.",
 )
 @click.option(
     "--out",
@@ -210,7 +210,7 @@ def _report_run(trajectory: Trajectory, as_json: bool, written: list[Path]) -> i
     if not trajectory.outcome.ok:
         click.echo(
             f"bondgraph: the run stopped at {trajectory.t_end:.9g} s: {trajectory.outcome.value}; "
-            f"{trajectory.outcome.advice}",
+            f"{trajectory.advice}",
             err=True,
         )
         return 1

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 import sympy
 from rich.console import Console
+from rich.markup import escape
 from rich.table import Table
 
 from bondgraph.causality import CausalGraph
@@ -162,6 +163,7 @@ def run_json(trajectory: Trajectory) -> dict[str, Any]:
             "relative_residual": energy.relative_residual,
         },
         "backend": trajectory.backend,
+        "solver": {"name": trajectory.solver, "reason": trajectory.solver_reason},
         "steps": trajectory.steps,
     }
 
@@ -172,6 +174,7 @@ def run_tables(trajectory: Trajectory) -> None:
     console.print(
         f"[bold]{trajectory.model.equations.name}[/bold]: {trajectory.outcome.value} at "
         f"{trajectory.t_end:.9g} s, {trajectory.steps} steps, {len(trajectory.events)} events ({trajectory.backend})\n"
+        f"{escape(trajectory.solver_reason)}\n"
     )
     final = _table("Final values", "name", "value", "unit")
     for name, value in trajectory.final.items():

@@ -13,7 +13,7 @@ import numpy
 
 from ..errors import BondGraphError, SimulationError
 from ..parameters import unknown_name
-from ..values import parameter_values
+from ..values import algebraic_names, parameter_values
 from .compiled import CompiledModel
 from .ends import Ends, gathered
 from .inputs import at, gather
@@ -21,7 +21,7 @@ from .native import BATCH_DONE, OUTCOMES, PAUSED, NativeRun
 from .outcome import Outcome
 from .problem import InputTable, Options, Problem
 from .run import measured, simulate
-from .solvers import EXPLICIT, choose
+from .solvers import EXPLICIT, Start, choose
 
 Array = numpy.ndarray
 
@@ -94,10 +94,12 @@ def run_many(
     shared = dict(parameters or {}), dict(initial or {}), dict(inputs or {})
     table = gather(model.equations, shared[2], switched=model.switched)
     plain = isinstance(table, InputTable) and (not columns[2] or len(table.knots) == 1)
-    explicit = choose(model, solver, backend) == EXPLICIT and not model.switched
+    explicit = choose(model, solver, backend).solver == EXPLICIT and not model.switched
     if explicit and plain and backend != "vm" and model.modes.compiled():
-        options = Options(**limits, t_eval=numpy.zeros(0))
-        return _native(model, span, columns, (*shared, table), options, stop)
+        starts = _starts(model, span, columns, (*shared, table))
+        if solver == EXPLICIT or starts.explicit:
+            options = Options(**limits, t_eval=numpy.zeros(0))
+            return _native(model, span, starts, table, options, stop)
     limits |= {"solver": solver, "backend": backend}
     return _one_by_one(model, span, columns, shared, limits, stop)
 
@@ -111,6 +113,7 @@ def _columns(model: CompiledModel, points: Mapping[str, Any]) -> Columns:
     names = {symbol.name for symbol in equations.graph.parameters}
     inputs = {symbol.name for symbol in equations.graph.inputs}
     states = {symbol.name for symbol in equations.states} | set(equations.outputs)
+    states |= algebraic_names(equations)
     found: Columns = ({}, {}, {})
     lengths = set()
     for name, values in points.items():
@@ -120,7 +123,7 @@ def _columns(model: CompiledModel, points: Mapping[str, Any]) -> Columns:
         lengths.add(len(column))
         place = 0 if name in names else 2 if name in inputs else 1
         if place == 1 and name not in states:
-            raise unknown_name("parameter, state or input", name, names | states | inputs)
+            raise unknown_name("parameter, state or input", name, sorted(names | states | inputs))
         found[place][name] = column
     if len(lengths) != 1:
         raise SimulationError(
@@ -189,17 +192,18 @@ class _Starts:
     energy0: Array
     u: Array  # no rows where all runs share their inputs
     tells: bool  # whether the stored energy is known
+    explicit: bool  # whether none of them is stiff
 
 
 def _starts(
     model: CompiledModel,
-    t0: float,
+    span: tuple[float, float],
     columns: Columns,
     shared: tuple[dict[Any, Any], dict[Any, Any], dict[Any, Any], InputTable],
 ) -> _Starts:
     names = [symbol.name for symbol in model.equations.parameters]
     own_inputs = [symbol.name for symbol in model.equations.inputs]
-    accepted, refusals, rows, u_rows, tells = [], {}, [], [], True
+    accepted, refusals, rows, u_rows, tells, explicit = [], {}, [], [], True, True
     for point in range(_count(columns)):
         try:
             given = shared[0] | _at(columns[0], point)
@@ -219,7 +223,9 @@ def _starts(
                 continue
             u_rows.append(u)
             table = InputTable(table.knots, u[None], table.hold)
-        energy, weights = measured(model, t0, x0, table, p)
+        choice = choose(model, "auto", "auto", Start(span, x0, p, table))
+        explicit = explicit and choice.solver == EXPLICIT
+        energy, weights = measured(model, span[0], x0, table, p)
         tells = tells and energy is not None
         accepted.append(point)
         rows.append((p, x0, weights, energy or 0.0))
@@ -231,18 +237,19 @@ def _starts(
     )
     energy0 = numpy.array(parts[3], dtype=float)
     u = numpy.array(u_rows, dtype=float).reshape(len(u_rows), len(own_inputs))
-    return _Starts(numpy.array(accepted, int), refusals, p, x0, weights, energy0, u, tells)
+    return _Starts(
+        numpy.array(accepted, int), refusals, p, x0, weights, energy0, u, tells, explicit
+    )
 
 
 def _native(
     model: CompiledModel,
     t_span: tuple[float, float],
-    columns: Columns,
-    shared: tuple[dict[Any, Any], dict[Any, Any], dict[Any, Any], InputTable],
+    starts: _Starts,
+    table: InputTable,
     options: Options,
     stop: Callable[[], bool] | None,
 ) -> Ends:
-    starts = _starts(model, t_span[0], columns, shared)
     size, n, k = len(starts.accepted), model.modes.n, model.modes.k
     kept = {
         "parameters": starts.p,
@@ -259,9 +266,9 @@ def _native(
     if len(starts.u):
         kept["inputs"] = starts.u
     if size:
-        problem = Problem(model.modes, starts.p[0], starts.x0[0], t_span, shared[3])
+        problem = Problem(model.modes, starts.p[0], starts.x0[0], t_span, table)
         _loop(NativeRun(problem, options), kept, (t_span[0], options.time_budget), stop)
-    return _ends(model, starts, kept, shared[3])
+    return _ends(model, starts, kept, table)
 
 
 def _loop(

@@ -9,7 +9,7 @@ import functools
 import itertools
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy
 import sympy
@@ -29,7 +29,11 @@ from ..values import InitialState
 from .buffered import PerThread
 from .mode_set import ModeSet
 from .smooth import SmoothFunctions, smooth_functions
+from .stiffness import Probe
 from .table import ModeFunctions, ModeTable
+
+if TYPE_CHECKING:
+    from .forward import ForwardModel
 
 Array = numpy.ndarray
 
@@ -123,6 +127,31 @@ class CompiledModel:
         """
         return self.mode_set.equations(mask).equations
 
+    def compile(self) -> bool:
+        """Wait for the machine code of what runs will need, as far as that can be foreseen.
+
+        Runs need not wait for it: what is not in the cache is compiled behind while they
+        go on on the virtual machine.
+
+        Returns
+        -------
+        bool
+            Whether runs of dopri5 are compiled; False for models that search their modes
+            or keep algebraic variables, and where there is no compiler.
+
+        Examples
+        --------
+        >>> from bondgraph.models import mass_on_belt
+        >>> model = CompiledModel(mass_on_belt.graph())
+        >>> model.compile() == (model.modes.refusal is None)
+        True
+        """
+        if self.switched or self.equations.algebraic:
+            return False
+        k = len(self.contact_names)
+        foreseen = range(1 << k) if k <= FEW_CONTACTS else (0, *(1 << j for j in range(k)))
+        return self.modes.compile(foreseen)
+
     def signals(self, mask: int, names: tuple[str, ...]) -> Callable[..., Any]:
         """Return a NumPy function of named signals in a structural mode.
 
@@ -180,6 +209,11 @@ class CompiledModel:
     def smooth(self) -> SmoothFunctions:
         """Functions for the integrators of smooth models, contacts and modes aside."""
         return smooth_functions(self.equations, self._parameters())
+
+    @functools.cached_property
+    def stiffness(self) -> Probe:
+        """Tells how stiff a run will be; for models without switching elements."""
+        return Probe(self)
 
     @functools.cached_property
     def measures(self) -> Callable[..., Array]:
@@ -257,6 +291,19 @@ class CompiledModel:
             return 0.5 * q * (values * weights).sum(axis=-1)
 
         return energy
+
+    @functools.cached_property
+    def forward(self) -> ForwardModel:
+        """Derivatives of modes, parameter table and signals, for `sensitivities`."""
+        from .forward import ForwardModel
+
+        return ForwardModel(self)
+
+    def signal_program(self, mask: int, results: Iterable[sympy.Expr]) -> Program:
+        """Return signals in a structural mode as a program in ``(t, x, u, p, s, ...)``."""
+        if self.contact_names:
+            return self.mode_set.program(mask, "signals", {"out": list(results)})
+        return self._program(self.in_mask(mask), "signals", results)
 
     def _functions(self, mask: int) -> ModeFunctions:
         rhs, guard = self.mode_set.calm(mask)

@@ -1,26 +1,25 @@
-"""The C compiler: find it, build shared objects of modes and driver, keep them on disk.
+"""The C compiler: find it, write the source of modes and driver, load what it makes of them.
 
-A shared object is kept on disk under a hash of everything that decides its content, so a model's
-structure is compiled once per machine. Set ``HALFARROW_CACHE`` to move the folder (by default
-``halfarrow`` in ``$XDG_CACHE_HOME`` or ``~/.cache``) and ``HALFARROW_NO_COMPILER=1`` to do without.
+What is compiled is kept on disk (`cache`), so a model's structure is compiled once per machine, and
+compilers work behind while a run goes on without them (`builds`). ``HALFARROW_NO_COMPILER=1`` does
+without.
 """
 
 from __future__ import annotations
 
 import ctypes
-import hashlib
-import logging
+import functools
 import os
-import platform
 import re
 import shutil
-import subprocess
-import tempfile
+from collections.abc import Callable
+from dataclasses import dataclass
 from importlib import resources
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
-from ..errors import BondGraphError
+from .builds import Build, CompileError, LostError, begin, end
+from .cache import entry, load_kept
 
 if TYPE_CHECKING:
     import casadi as ca
@@ -28,13 +27,14 @@ if TYPE_CHECKING:
 __all__ = [
     "CompileError",
     "NativeMode",
+    "Wanted",
+    "driver_wanted",
     "find_compiler",
     "load_driver",
     "load_mode",
     "load_shared",
+    "mode_wanted",
 ]
-
-log = logging.getLogger(__name__)
 
 # Values must not depend on the optimiser's mood or the processor: no -ffast-math, and no fused
 # multiply-add, so that C, the Python twin and other machines give the same bits (at 5 % of speed).
@@ -45,14 +45,6 @@ MEDIUM_SOURCE, MEDIUM_FLAGS = 100_000, ("-O2",)
 LARGE_SOURCE, LARGE_FLAGS = 5_000_000, ("-O1",)
 HUGE_FLAGS = ("-O0",)  # an optimiser would take minutes
 KERNEL = ("rhs", "guard", "advance", "finish", "inspect")  # functions of kernel.c, as in its Mode
-
-
-class CompileError(BondGraphError):
-    """No compiler, or it failed; `stderr` holds what it said."""
-
-    def __init__(self, message: str, stderr: str = "") -> None:
-        super().__init__(message)
-        self.stderr = stderr
 
 
 class NativeMode(NamedTuple):
@@ -70,17 +62,74 @@ def find_compiler() -> str | None:
     """
     if os.environ.get("HALFARROW_NO_COMPILER", "") not in ("", "0"):
         return None
-    for name in (os.environ.get("CC"), "cc", "gcc", "clang"):
-        if name and (path := shutil.which(name)):
-            return path
+    return _on_path(os.environ.get("CC"), os.environ.get("PATH"))
+
+
+@functools.lru_cache(maxsize=8)  # the search costs as much as loading a mode
+def _on_path(given: str | None, path: str | None) -> str | None:
+    for name in (given, "cc", "gcc", "clang"):
+        if name and (found := shutil.which(name, path=path)):
+            return found
     return None
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """A shared object to be loaded from the cache or compiled.
+
+    Attributes
+    ----------
+    name : str
+        For people who look into the cache.
+    parts : tuple of str or bytes
+        What decides the machine code, beside compiler and processor.
+    source : callable
+        To the C and the flags for it; called only where it has to be compiled.
+    """
+
+    name: str
+    parts: tuple[str | bytes, ...]
+    source: Callable[[], tuple[str, tuple[str, ...]]]
+
+    def kept(self) -> ctypes.CDLL | None:
+        """What is in the cache. Raises CompileError where there is no compiler."""
+        return load_kept(self._place()[1])
+
+    def behind(self) -> Build:
+        """The compiler at work on it, started now unless it is already."""
+        compiler, folder = self._place()
+
+        def start() -> Build:
+            source, flags = self.source()
+            return Build(compiler, source, flags + FLAGS, folder, self.name)
+
+        return begin(folder, start)
+
+    def made(self, build: Build) -> ctypes.CDLL:
+        """What a build made; waits for it. Raises CompileError."""
+        folder = self._place()[1]
+        try:
+            return end(folder, build)
+        except LostError:  # once more: the cache may have been cleared
+            return end(folder, self.behind())
+
+    def load(self) -> ctypes.CDLL:
+        """From the cache, or compiled now. Raises CompileError."""
+        return self.kept() or self.made(self.behind())
+
+    def _place(self) -> tuple[str, Path]:
+        compiler = find_compiler()
+        if compiler is None:
+            raise CompileError("no C compiler found: install gcc or clang, or set CC")
+        try:
+            return compiler, entry(compiler, self.parts)
+        except OSError as failure:
+            _on_path.cache_clear()
+            raise CompileError(f"{compiler} cannot be run: {failure}") from failure
 
 
 def load_shared(source: str, name: str, flags: tuple[str, ...] = MEDIUM_FLAGS) -> ctypes.CDLL:
     """The shared object of a C source, from the cache or compiled now.
-
-    Safe against concurrent writers (files appear whole) and against damaged files (each carries
-    the hash of its content in its name; one that does not fit is thrown away and built again).
 
     Parameters
     ----------
@@ -96,32 +145,18 @@ def load_shared(source: str, name: str, flags: tuple[str, ...] = MEDIUM_FLAGS) -
     CompileError
         No compiler was found, or it refused the source.
     """
-    compiler = find_compiler()
-    if compiler is None:
-        raise CompileError("no C compiler found: install gcc or clang, or set CC")
-    flags += FLAGS
-    folder = _cache_folder() / _key(source, compiler, flags)
-    for kept in _intact(folder):
-        try:
-            return ctypes.CDLL(str(kept))
-        except OSError as failure:
-            log.warning("%s cannot be loaded and is built again: %s", kept, failure)
-            kept.unlink(missing_ok=True)
-    with tempfile.TemporaryDirectory(prefix="halfarrow-") as scratch:
-        built = _compile(compiler, source, flags, Path(scratch))
-        try:
-            return ctypes.CDLL(str(_keep(built, folder, name)))
-        except OSError as failure:
-            log.warning("the cache %s cannot be used: %s", folder, failure)
-        try:
-            return ctypes.CDLL(str(built))
-        except OSError as failure:
-            raise CompileError(f"compiled code cannot be loaded: {failure}") from failure
+    return Wanted(name, (source, *flags, *FLAGS), lambda: (source, flags)).load()
 
 
-def load_driver() -> ctypes.CDLL:
+def driver_wanted() -> Wanted:
     """The integrator of ``driver.c``."""
-    library = load_shared(_own("kernel.c") + _own("driver.c") + _own("batch.c"), "driver")
+    source = _own("kernel.c") + _own("driver.c") + _own("batch.c")
+    return Wanted("driver", (source, *FLAGS), lambda: (source, MEDIUM_FLAGS))
+
+
+def load_driver(library: ctypes.CDLL | None = None) -> ctypes.CDLL:
+    """The integrator with its arguments told, from a library or by waiting for one."""
+    library = library or driver_wanted().load()
     for name, arguments in (
         ("halfarrow_advance", [ctypes.c_void_p]),
         ("halfarrow_batch", [ctypes.c_void_p] * 2),
@@ -135,10 +170,8 @@ def load_driver() -> ctypes.CDLL:
     return library
 
 
-def load_mode(
-    rhs: ca.Function, guard: ca.Function | None, sizes: tuple[int, int, int]
-) -> NativeMode:
-    """Compile the steps of one mode: CasADi's C for its functions, and ``kernel.c`` around it.
+def mode_wanted(rhs: ca.Function, guard: ca.Function | None, sizes: tuple[int, int, int]) -> Wanted:
+    """The steps of one mode: CasADi's C for its functions, and ``kernel.c`` around it.
 
     Parameters
     ----------
@@ -147,6 +180,44 @@ def load_mode(
     sizes : (int, int, int)
         Numbers of states, inputs and switches.
     """
+    # A function's serialized form holds every instruction and costs a tenth of its C. From there to
+    # the C lead CasADi and this file alone.
+    functions = [f.serialize() for f in (rhs, guard) if f is not None]
+    return Wanted(
+        rhs.name(),
+        (*functions, str(sizes), _recipe(), _own("kernel.c")),
+        lambda: _mode_source(rhs, guard, sizes),
+    )
+
+
+@functools.cache
+def _recipe() -> bytes:
+    """What makes a mode's C of its functions, by content."""
+    import casadi as ca
+
+    return (resources.files(__package__) / "compiler.py").read_bytes() + ca.__version__.encode()
+
+
+def load_mode(
+    rhs: ca.Function,
+    guard: ca.Function | None,
+    sizes: tuple[int, int, int],
+    library: ctypes.CDLL | None = None,
+) -> NativeMode:
+    """The kernel of one mode, from a library or by waiting for one; arguments as `mode_wanted`."""
+    library = library or mode_wanted(rhs, guard, sizes).load()
+    address = {name: _address(library, f"mode_{name}") for name in KERNEL}
+    functions = [f for f in (rhs, guard) if f is not None]
+    iw, w = (
+        max(column) for column in zip(*((f.sz_iw(), f.sz_w()) for f in functions), strict=True)
+    )
+    return NativeMode(address, (iw, w), library)
+
+
+def _mode_source(
+    rhs: ca.Function, guard: ca.Function | None, sizes: tuple[int, int, int]
+) -> tuple[str, tuple[str, ...]]:
+    """A mode's C, and the flags that suit its length."""
     model, macros = _model_source(rhs, guard, sizes)
     flags: tuple[str, ...] = HUGE_FLAGS
     for limit, smaller in (
@@ -164,13 +235,7 @@ def load_mode(
         *(f"#define {name} {value}\n" for name, value in macros.items()),
         _own("kernel.c"),
     )
-    library = load_shared("".join(source), rhs.name(), flags)
-    address = {name: _address(library, f"mode_{name}") for name in KERNEL}
-    functions = [f for f in (rhs, guard) if f is not None]
-    iw, w = (
-        max(column) for column in zip(*((f.sz_iw(), f.sz_w()) for f in functions), strict=True)
-    )
-    return NativeMode(address, (iw, w), library)
+    return "".join(source), flags
 
 
 def _model_source(
@@ -207,94 +272,10 @@ def _straightened(model: str, count: int) -> str:
     return re.sub(r"(static int casadi_f\d+\([^)]*\) \{\n)", rf"\1{local}", model)
 
 
+@functools.cache
 def _own(file: str) -> str:
     return resources.files(__package__).joinpath(file).read_text(encoding="utf-8")
 
 
 def _address(library: ctypes.CDLL, name: str) -> int:
     return ctypes.cast(getattr(library, name), ctypes.c_void_p).value or 0
-
-
-def _cache_folder() -> Path:
-    if given := os.environ.get("HALFARROW_CACHE"):
-        return Path(given)
-    if base := os.environ.get("XDG_CACHE_HOME"):
-        return Path(base) / "halfarrow"
-    try:
-        return Path.home() / ".cache" / "halfarrow"
-    except RuntimeError:  # no home: load_shared then finds the folder unusable and says so
-        return Path(os.devnull) / "halfarrow"
-
-
-def _key(source: str, compiler: str, flags: tuple[str, ...]) -> str:
-    """Hash of what decides the machine code: source, flags, compiler, processor."""
-    # A compiler's version is read from its file: `cc --version` would cost more than the loading.
-    binary = Path(compiler).resolve()
-    stat = binary.stat()
-    parts = (source, *flags, str(binary), str(stat.st_size), str(stat.st_mtime_ns), _processor())
-    return hashlib.blake2b("\0".join(parts).encode(), digest_size=16).hexdigest()
-
-
-def _processor() -> str:
-    """What -march=native looks at."""
-    try:
-        with open("/proc/cpuinfo", encoding="utf-8") as file:
-            first = file.read(8192).split("\n\n")[0].splitlines()
-    except OSError:
-        return f"{platform.machine()} {platform.processor()}"
-    wanted = ("model name", "flags", "Features", "CPU part", "isa")
-    return platform.machine() + "".join(line for line in first if line.startswith(wanted))
-
-
-def _intact(folder: Path) -> list[Path]:
-    """The files of a cache entry whose content is what their name says."""
-    try:
-        files = sorted(folder.glob("*.so"))
-    except OSError:
-        return []
-    good = []
-    for file in files:
-        try:
-            if file.stem.rpartition("-")[2] == _digest(file):
-                good.append(file)
-            else:
-                log.warning("%s is damaged and is built again", file)
-                file.unlink(missing_ok=True)
-        except OSError:
-            continue
-    return good
-
-
-def _digest(file: Path) -> str:
-    return hashlib.blake2b(file.read_bytes(), digest_size=16).hexdigest()
-
-
-def _compile(compiler: str, source: str, flags: tuple[str, ...], folder: Path) -> Path:
-    (folder / "source.c").write_text(source, encoding="utf-8")
-    said = ""
-    for tuned in (["-march=native"], []):  # not every compiler knows it on every processor
-        command = [compiler, *flags, *tuned, "-o", "built.so", "source.c", "-lm"]
-        try:
-            done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
-        except OSError as failure:
-            raise CompileError(f"{compiler} cannot be run: {failure}") from failure
-        if done.returncode == 0:
-            return folder / "built.so"
-        said = done.stderr
-    first = next((line for line in said.splitlines() if "error" in line), said[:200])
-    raise CompileError(f"{compiler} refused the generated code: {first}", said)
-
-
-def _keep(built: Path, folder: Path, name: str) -> Path:
-    """Put a file into the cache under a name that tells its content; it appears whole or not."""
-    folder.mkdir(parents=True, exist_ok=True)
-    kept = folder / f"{name}-{_digest(built)}.so"
-    handle, part = tempfile.mkstemp(dir=folder, suffix=".part")
-    try:
-        with os.fdopen(handle, "wb") as file:
-            file.write(built.read_bytes())
-        os.replace(part, kept)
-    except OSError:
-        Path(part).unlink(missing_ok=True)
-        raise
-    return kept

@@ -23,8 +23,8 @@ typedef struct {
     /* given by the caller */
     i64 n, m, k, n_knots, n_eval, n_modes, row_capacity, event_capacity, max_steps, max_events;
     double t_end, rtol, max_step, bound, energy0, slice;
-    const double *x0, *parameters, *atol, *weights, *knots, *values, *t_eval;
-    const signed char *hold;
+    const double *x0, *parameters, *atol, *weights, *knots, *values, *shapes, *t_eval;
+    const signed char *jumps; /* [n_knots] whether an input jumps there */
     const Mode *modes;
     i64 *iw;
     double *w;
@@ -40,11 +40,13 @@ typedef struct {
     double t;
     i64 row_count, event_count, steps, rejected, evaluations;
     unsigned long long wanted;
+    i64 record_count, record_capacity;
+    double *record; /* [n+3] each: t, length, events before, x, of every step; or NULL */
     /* private */
     i64 phase, outcome, mode, knot, next_eval, started, keep_step, unresolved, event_pending;
     i64 after_rejection, bad, shrinks, halvings, futile, settled, dense_ready;
     double h, h_used, reached, t_new, t_begin, log_error, energy;
-    double *x, *x_new, *slope, *stage, *s, *s_probe, *wobbled, *u, *u_slope;
+    double *x, *x_new, *slope, *stage, *s, *s_probe, *wobbled, *flat;
     double *probe, *noise, *probe_noise, *instants;
     signed char *next, *armed, *armed_low, *fired, *fresh;
     Step at; /* x, x_new and slope above are its own */
@@ -72,7 +74,7 @@ static double seconds(void)
 
 i64 halfarrow_work_size(i64 n, i64 m, i64 k)
 {
-    return 17 * (n + 2) + 2 * m + 2 * k + 16 * k + WINDOW(k) + 1;
+    return 17 * (n + 2) + 3 * m + 2 * k + 16 * k + WINDOW(k) + 1;
 }
 
 i64 halfarrow_flag_size(i64 k) { return 5 * k; }
@@ -98,8 +100,8 @@ static void lay_out(Run *r)
     at->floor = take(&free, N);
     r->stage = take(&free, N);
     r->wobbled = take(&free, N);
-    at->u = r->u = take(&free, r->m);
-    at->u_slope = r->u_slope = take(&free, r->m);
+    r->flat = take(&free, 3 * r->m);
+    for (i64 c = 0; c < 3 * r->m; c++) r->flat[c] = 0;
     at->codes = r->s = take(&free, k + 1);
     r->s_probe = take(&free, k);
     at->sample = take(&free, 10 * k);
@@ -119,20 +121,17 @@ static void lay_out(Run *r)
 
 /* ---------------------------------------------------------------------------- model */
 
-/* Inputs in the interval after r->knot, which no step leaves: values at its start, and slopes. */
+/* Inputs in the interval after r->knot, which no step leaves: a cubic each, from its start on. */
 static void set_inputs(Run *r)
 {
     const i64 m = r->m, i = r->knot < 0 ? 0 : r->knot;
     const int inside = r->knot >= 0 && i + 1 < r->n_knots;
     if (m == 0) return;
     r->at.t_input = r->knots[i];
-    for (i64 c = 0; c < m; c++) {
-        const double *value = r->values + i * m + c;
-        r->u[c] = value[0];
-        r->u_slope[c] = 0;
-        if (inside && r->hold[c])
-            r->u_slope[c] = (value[m] - value[0]) / (r->knots[i + 1] - r->knots[i]);
-    }
+    r->at.u = r->values + i * m;
+    r->at.u_slope = inside ? r->shapes + i * 3 * m : r->flat;
+    r->at.u_bend = r->at.u_slope + m;
+    r->at.u_twist = r->at.u_bend + m;
 }
 
 static const Mode *now(const Run *r) { return r->modes + r->mode; }
@@ -819,11 +818,26 @@ static i64 step(Run *r)
     return CONTINUE;
 }
 
+static int record_missing(const Run *r)
+{
+    return r->record && r->record_count >= r->record_capacity;
+}
+
+static void put_record(Run *r)
+{
+    double *record = r->record + r->record_count++ * (r->n + 3);
+    record[0] = r->t;
+    record[1] = r->h_used;
+    record[2] = (double)r->event_count;
+    memcpy(record + 3, r->x, (size_t)r->n * sizeof(double));
+}
+
 /* The end of the step becomes the present point. */
 static void commit(Run *r)
 {
     const i64 n = r->n;
     int all_armed = 1;
+    if (r->record) put_record(r);
     memcpy(r->x, r->x_new, (size_t)(n + 2) * sizeof(double));
     memcpy(r->slope, r->slope + 6 * (n + 2), (size_t)(n + 2) * sizeof(double));
     memcpy(sample(r, 0), sample(r, 4), 2 * (size_t)r->k * sizeof(double));
@@ -843,6 +857,7 @@ static void commit(Run *r)
 /* Output rows of the step just taken, then the step itself. */
 static i64 emit(Run *r)
 {
+    if (record_missing(r)) return ROWS_FULL;
     if (r->t_eval) {
         while (r->next_eval < r->n_eval && r->t_eval[r->next_eval] < r->t_new) {
             if (row_missing(r)) return ROWS_FULL;
@@ -863,11 +878,8 @@ static i64 emit(Run *r)
 /* Into the next interval of the input table; only a jump needs more than that. */
 static i64 cross_knot(Run *r)
 {
-    const i64 m = r->m, i = ++r->knot;
-    int jump = 0;
+    const int jump = r->jumps[++r->knot];
     set_inputs(r);
-    for (i64 c = 0; c < m; c++)
-        if (!r->hold[c] && i > 0) jump |= r->values[i * m + c] != r->values[(i - 1) * m + c];
     r->keep_step = jump;
     r->phase = jump ? CLASSIFY : STEP;
     return CONTINUE;

@@ -185,11 +185,11 @@ def at(
         return numpy.array([inputs(time) for time in times]).reshape(len(times), -1).T
     last = len(inputs.knots) - 1
     segment = numpy.clip(numpy.searchsorted(inputs.knots, times, side="right") - 1, 0, last)
-    rows = [
-        numpy.interp(times, inputs.knots, column) if linear else column[segment]
-        for column, linear in zip(inputs.values.T, inputs.hold, strict=True)
-    ]
-    return numpy.array(rows).reshape(len(rows), len(times))
+    if last == 0:
+        return inputs.values[segment].T
+    s = numpy.maximum(times - inputs.knots[segment], 0.0)[:, None]
+    slope, bend, twist = (inputs.shapes[segment, i] for i in range(3))
+    return (inputs.values[segment] + s * (slope + s * (bend + s * twist))).T
 
 
 def gather(

@@ -28,7 +28,8 @@ typedef struct {
     double *sample;    /* [5][2k] guards at the quarters of the step */
     double *floor;     /* [n] least size in which the error of a state is measured */
     const double *atol, *parameters, *codes;
-    const double *u, *u_slope; /* inputs at t_input, and their slopes since */
+    /* inputs at t_input, and what s, s^2 and s^3 are multiplied by, s the time since */
+    const double *u, *u_slope, *u_bend, *u_twist;
     i64 *iw;
     double *w;
 } Step;
@@ -62,7 +63,9 @@ static inline double larger(double a, double b) { return a > b ? a : b; }
 #define ROOM(count) ((count) > 0 ? (count) : 1)
 static inline void inputs(const Step *q, double t, double *u)
 {
-    for (int c = 0; c < M; c++) u[c] = q->u[c] + (t - q->t_input) * q->u_slope[c];
+    const double s = t - q->t_input;
+    for (int c = 0; c < M; c++)
+        u[c] = q->u[c] + s * (q->u_slope[c] + s * (q->u_bend[c] + s * q->u_twist[c]));
 }
 
 static inline int model_rhs(const Step *q, double t, const double *x, double *out)

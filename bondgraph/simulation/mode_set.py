@@ -194,13 +194,26 @@ class ModeSet:
                 f"algebraic; add a compliance or inertia where they arise",
                 elements=algebraic,
             )
-        arguments, (rates, guards) = self._expressions(mask, ("rates", "guards"))
+        arguments, (rates, guards) = self.expressions(mask, ("rates", "guards"))
         given, moved = arguments[:5], casadi.vertcat(*arguments[6:])
         rates, guards = (casadi.densify(casadi.substitute(e, moved, 0)) for e in (rates, guards))
         return casadi.Function("rhs", given, [rates]), casadi.Function("guard", given, [guards])
 
-    def _expressions(self, mask: int, wanted: Sequence[str]) -> tuple[list[Any], list[Any]]:
-        """Return CasADi symbols of a mode's arguments, and results in them."""
+    def expressions(self, mask: int, wanted: Sequence[str]) -> tuple[list[Any], list[Any]]:
+        """Return CasADi symbols of a mode's arguments, and results in them.
+
+        Parameters
+        ----------
+        mask : int
+        wanted : sequence of str
+            Of rates, guards, answers, relation and residual.
+
+        Returns
+        -------
+        arguments : list of casadi.SX
+            ``t, x, u, p, s, z, w, v``, as in `program`.
+        results : list of casadi.SX
+        """
         import casadi
 
         mode = self.equations(mask)
@@ -213,13 +226,13 @@ class ModeSet:
         }
         program = self.program(mask, "mode", {key: results[key] for key in wanted})
         arguments = [casadi.SX.sym(label, len(symbols)) for label, symbols in program.arguments]
-        found = to_casadi(program)(*arguments)
+        found = to_casadi(program, fixed=("p",))(*arguments)
         return arguments, list(found) if isinstance(found, tuple | list) else [found]
 
     def _made(self, mask: int) -> ModeNumbers:
         mode = self.equations(mask)
         wanted = ("rates", "guards", "answers", "relation", "residual")
-        arguments, results = self._expressions(mask, wanted)
+        arguments, results = self.expressions(mask, wanted)
         implicit = Implicit(arguments, results)
         order = list(mode.imposed)
         return ModeNumbers(
@@ -275,7 +288,7 @@ class ModeSet:
         none = numpy.zeros((0, 1))
         if not self.equations(mask).equations.algebraic:
             return lambda *given: function(*given[:5], none, given[5], calm)[0]
-        implicit = Implicit(*self._expressions(mask, ["residual"]))
+        implicit = Implicit(*self.expressions(mask, ["residual"]))
 
         def solved(*given: Array) -> Array:
             implicit.forget()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import math
 import time
 from typing import Any
 
@@ -32,12 +33,16 @@ class _Run(ctypes.Structure):
         *_fields(ctypes.c_longlong, "n m k n_knots n_eval n_modes row_capacity event_capacity"),
         *_fields(ctypes.c_longlong, "max_steps max_events"),
         *_fields(ctypes.c_double, "t_end rtol max_step bound energy0 slice"),
-        *_fields(ctypes.c_void_p, "x0 parameters atol weights knots values t_eval hold modes"),
+        *_fields(
+            ctypes.c_void_p, "x0 parameters atol weights knots values shapes t_eval jumps modes"
+        ),
         *_fields(ctypes.c_void_p, "iw w rows row_codes events event_codes x_end code"),
         *_fields(ctypes.c_void_p, "work flags"),
         *_fields(ctypes.c_double, "t"),
         *_fields(ctypes.c_longlong, "row_count event_count steps rejected evaluations"),
         *_fields(ctypes.c_ulonglong, "wanted"),
+        *_fields(ctypes.c_longlong, "record_count record_capacity"),
+        *_fields(ctypes.c_void_p, "record"),
     )
 
 
@@ -59,6 +64,10 @@ OUTCOMES = dict(
 )
 
 
+class NotYet(Exception):  # an answer to `hybrid`, not an error
+    """A mode without machine code was met, and the run is young."""
+
+
 class NativeRun:
     """One run of driver.c: its memory, and the service it asks for.
 
@@ -75,7 +84,7 @@ class NativeRun:
         self.run = run = _Run.from_buffer(self.memory)
         self.address = ctypes.addressof(self.memory)
         self.kept: dict[str, Any] = {}
-        _, knots, values, linear = problem.input_table()
+        _, knots, values, shapes, jumps = problem.input_table()
         t_eval = options.t_eval
         run.n, run.m, run.k, run.n_knots = n, problem.modes.m, k, len(knots)
         run.n_eval = 0 if t_eval is None else len(t_eval)
@@ -94,7 +103,8 @@ class NativeRun:
         self.point("weights", problem.weights_or_zero())
         self.point("knots", knots)
         self.point("values", values)
-        self.point("hold", linear.view(np.int8))
+        self.point("shapes", shapes)
+        self.point("jumps", jumps)
         if t_eval is not None:
             self.point("t_eval", t_eval if len(t_eval) else np.zeros(1))
         self.point("work", np.empty(self.driver.halfarrow_work_size(n, run.m, k)))
@@ -103,6 +113,8 @@ class NativeRun:
         self.point("code", np.zeros(k + 1, dtype=np.int8))
         self.make_room_for_rows(4096 if t_eval is None else len(t_eval))
         self.make_room_for_events(256 if k else 0)
+        if options.record:
+            self.make_room_for_record(1024)
         self.show_modes()
 
     def point(self, field: str, array: np.ndarray) -> None:
@@ -119,6 +131,22 @@ class NativeRun:
         self.point("rows", rows)
         self.point("row_codes", codes)
         self.run.row_capacity = capacity
+
+    def make_room_for_record(self, capacity: int) -> None:
+        """Steps for the driver to note, those noted already kept."""
+        record = np.empty((capacity, self.run.n + 3))
+        if used := self.run.record_count:
+            record[:used] = self.kept["record"][:used]
+        self.point("record", record)
+        self.run.record_capacity = capacity
+
+    def make_room(self) -> None:
+        """Make room for rows or for the record of steps, whichever is full."""
+        run = self.run
+        if run.record and run.record_count >= run.record_capacity:
+            self.make_room_for_record(2 * run.record_capacity)
+        else:
+            self.make_room_for_rows(2 * run.row_capacity)
 
     def make_room_for_events(self, capacity: int) -> None:
         """Events for the driver to fill, those filled already kept."""
@@ -147,9 +175,14 @@ class NativeRun:
         self.point("iw", np.empty(iw + 1, dtype=np.int64))
         self.point("w", np.empty(w + 1))
 
-    def to_the_end(self, time_budget: float) -> Outcome:
-        """Advance, serving what the driver asks for, until it has an outcome."""
-        deadline = time.monotonic() + time_budget
+    def to_the_end(self, time_budget: float, patience: float) -> Outcome:
+        """Advance, serving what the driver asks for, until it has an outcome.
+
+        Where a mode has no machine code, a run that has taken more than `patience` seconds, or
+        may wait without end, waits for the compiler; a shorter one ends in `NotYet`.
+        """
+        began = time.monotonic()
+        deadline = began + time_budget
         advance, run, address = self.driver.halfarrow_advance, self.run, self.address
         while True:
             left = deadline - time.monotonic()
@@ -159,6 +192,9 @@ class NativeRun:
             status = advance(address)
             if status in OUTCOMES:
                 return OUTCOMES[status]
+            young = time.monotonic() - began < patience < math.inf
+            if status == _NEED_MODE and young and not self.table.at_hand(run.wanted):
+                raise NotYet
             self.serve(status)
 
     def serve(self, status: int) -> None:
@@ -168,6 +204,6 @@ class NativeRun:
             self.table.machine_code(run.wanted)
             self.show_modes()
         elif status == _ROWS_FULL:
-            self.make_room_for_rows(2 * run.row_capacity)
+            self.make_room()
         elif status == _EVENTS_FULL:
             self.make_room_for_events(2 * run.event_capacity + run.k)

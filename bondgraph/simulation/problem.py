@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
@@ -15,10 +15,13 @@ from .table import ModeTable
 
 Array = np.ndarray
 
+# Pieces meet but for so much of an input's range; more is a jump.
+SEAM = 1e-9
+
 
 @dataclass(frozen=True, eq=False)
 class InputTable:
-    """Inputs over time: values at knots, kept or joined by straight lines in between.
+    """Inputs over time: values at knots, kept or joined by straight lines or cubics in between.
 
     Parameters
     ----------
@@ -26,13 +29,25 @@ class InputTable:
         Times. Before the first and after the last, the inputs are constant; one knot is a constant.
     values : (nk, m) array
         The inputs at the knots.
-    hold : (m,) sequence of 0 or 1
-        0 keeps a value until the next knot, 1 interpolates linearly.
+    hold : (m,) sequence of 0, 1 or 2
+        0 keeps a value until the next knot, 1 interpolates linearly, 2 follows `cubics`.
+    cubics : (nk, 3, m) array, optional
+        What s, s^2 and s^3 are multiplied by, s the time since a knot; read where hold is 2.
+
+    Attributes
+    ----------
+    shapes : (nk, 3, m) array
+        The same of all inputs; zero after the last knot.
+    jumps : (nk,) array of int8
+        Whether an input jumps at a knot.
     """
 
     knots: Array
     values: Array
     hold: Array
+    cubics: Array | None = None
+    shapes: Array = field(init=False)
+    jumps: Array = field(init=False)
 
     def __post_init__(self) -> None:
         knots, values = _doubles(self.knots), _doubles(self.values)
@@ -46,11 +61,46 @@ class InputTable:
             raise SimulationError("the times of an input table must be finite and increase")
         if not np.isfinite(values).all():
             raise SimulationError("an input table must hold finite values")
-        if not np.isin(hold, (0, 1)).all():
-            raise SimulationError("the hold of an input is 0 (zero order) or 1 (linear)")
+        if not np.isin(hold, (0, 1, 2)).all():
+            raise SimulationError("the hold of an input is 0 (zero order), 1 (linear) or 2 (cubic)")
+        shape = (len(knots), 3, len(hold))
+        if (hold == 2).any() and (
+            np.shape(self.cubics) != shape or not np.isfinite(self.cubics).all()
+        ):
+            raise SimulationError(f"cubic inputs need finite coefficients of shape {shape}")
+        shapes = _shapes(knots, values, hold, self.cubics)
+        object.__setattr__(self, "shapes", shapes)
+        object.__setattr__(self, "jumps", _jumps(knots, values, hold, shapes))
         object.__setattr__(self, "knots", knots)
         object.__setattr__(self, "values", values)
         object.__setattr__(self, "hold", hold)
+
+
+def _shapes(knots: Array, values: Array, hold: Array, cubics: Array | None) -> Array:
+    """Coefficients of s, s^2 and s^3 between knots."""
+    shapes = np.zeros((len(knots), 3, len(hold)))
+    if len(knots) == 1:
+        return shapes
+    rises = np.diff(values, axis=0) / np.diff(knots)[:, None]
+    shapes[:-1, 0] = np.where(hold == 1, rises, 0.0)
+    if cubics is not None:
+        shapes[:-1] = np.where(hold == 2, _doubles(cubics)[:-1], shapes[:-1])
+    return shapes
+
+
+def _jumps(knots: Array, values: Array, hold: Array, shapes: Array) -> Array:
+    """Where an input is not what it was just before."""
+    jumps = np.zeros(len(knots), dtype=np.int8)
+    if len(knots) == 1:
+        return jumps
+    stepped = (hold == 0) & (values[1:] != values[:-1])
+    if (hold == 2).any():
+        s = np.diff(knots)[:, None]
+        slope, bend, twist = (shapes[:-1, i] for i in range(3))
+        rest = values[:-1] + s * (slope + s * (bend + s * twist)) - values[1:]
+        stepped |= (hold == 2) & (np.abs(rest) > SEAM * np.ptp(values, axis=0))
+    jumps[1:] = stepped.any(axis=1)
+    return jumps
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,11 +153,13 @@ class Problem:
         """The weights, zeros where none are given."""
         return np.zeros(self.modes.n) if self.weights is None else _doubles(self.weights)
 
-    def input_table(self) -> tuple[Callable[[float], Array] | None, Array, Array, Array]:
-        """The callable, or None and knots, values and which channels are linear."""
-        if isinstance(self.inputs, InputTable):
-            return None, self.inputs.knots, self.inputs.values, self.inputs.hold == 1
-        empty = np.zeros(0), np.zeros((0, self.modes.m)), np.zeros(self.modes.m, dtype=bool)
+    def input_table(self) -> tuple[Callable[[float], Array] | None, Array, Array, Array, Array]:
+        """The callable, or None and knots, values, shapes and jumps of the table."""
+        table = self.inputs
+        if isinstance(table, InputTable):
+            return None, table.knots, table.values, table.shapes, table.jumps
+        m = self.modes.m
+        empty = np.zeros(0), np.zeros((0, m)), np.zeros((0, 3, m)), np.zeros(0, dtype=np.int8)
         return self.inputs, *empty
 
 
@@ -132,6 +184,8 @@ class Options:
         Increasing times of the output rows; without it every step and both sides of every event.
     backend : {"auto", "native", "vm"}
         Compiled C where possible; only; or CasADi's virtual machine under the Python twin.
+    record : bool
+        Whether to keep every step, for `bondgraph.simulation.forward`.
     """
 
     rtol: float = 1e-6
@@ -143,6 +197,7 @@ class Options:
     bound: float = 1e100
     t_eval: Array | None = None
     backend: Literal["auto", "native", "vm"] = "auto"
+    record: bool = False
 
     def __post_init__(self) -> None:
         if not 0 < self.rtol < 1:
@@ -214,6 +269,8 @@ class Solution:
         The last good point, whatever the outcome.
     steps, rejected, rhs_evals : int
     backend : {"native", "vm"}
+    record : (ns, n + 3) array or None
+        Of every step: time and length, events before it, state at its start.
     """
 
     t: Array
@@ -232,6 +289,7 @@ class Solution:
     rejected: int
     rhs_evals: int
     backend: Literal["native", "vm"]
+    record: Array | None = None
 
 
 def _doubles(values: Any) -> Array:

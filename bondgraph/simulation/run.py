@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any, Literal
 
 import numpy
@@ -24,9 +25,9 @@ from .smooth import (
     integrate_smooth,
     tabled,
 )
-from .solvers import choose
+from .solvers import Choice, Start, choose, stiff_advice
 from .switched import imposed_before, integrate_switched, mask_of
-from .trajectory import Energy, Trajectory
+from .trajectory import Energy, Kept, Trajectory
 
 
 def simulate(
@@ -88,8 +89,9 @@ def simulate(
     solver : {"auto", "dopri5", "cvodes", "idas", "rosenbrock"}
         dopri5, explicit, locates events; the others, by CasADi, are for stiff
         models without contacts: cvodes for those without algebraic variables,
-        idas and rosenbrock with or without. Auto takes dopri5 where it can,
-        else rosenbrock.
+        idas and rosenbrock with or without. Auto takes rosenbrock for models that
+        keep algebraic variables or are stiff near the start, else dopri5;
+        `Trajectory.solver_reason` tells.
 
     Returns
     -------
@@ -108,10 +110,48 @@ def simulate(
     >>> run.outcome.value, run.events[0].to_mode
     ('finished', 'stick')
     """
+    return carried_out(
+        graph,
+        t_span,
+        parameters,
+        initial,
+        inputs,
+        t_eval,
+        rtol,
+        atol=atol,
+        max_step=max_step,
+        max_events=max_events,
+        max_steps=max_steps,
+        time_budget=time_budget,
+        backend=backend,
+        solver=solver,
+        record=False,
+    )
+
+
+def carried_out(
+    graph: BondGraph | CausalGraph | CompiledModel,
+    t_span: tuple[float, float] | float,
+    parameters: Mapping[Any, Any] | None,
+    initial: Mapping[Any, Any] | None,
+    inputs: Mapping[Any, Any] | None,
+    t_eval: Any,
+    rtol: float,
+    *,
+    atol: float,
+    max_step: float,
+    max_events: int,
+    max_steps: int,
+    time_budget: float,
+    backend: Literal["auto", "native", "vm"],
+    solver: Literal["auto", "dopri5", "cvodes", "idas", "rosenbrock"],
+    record: bool,
+) -> Trajectory:
+    """Simulate as `simulate` says; ``record`` keeps every step in the trajectory."""
     model = graph if isinstance(graph, CompiledModel) else CompiledModel(graph)
     span = _span(t_span)
     equations = model.equations
-    chosen = choose(model, solver, backend)
+    choose(model, solver, backend)  # first, to refuse what cannot be before looking at numbers
     values = parameter_values(equations, parameters, model.resolver)
     table = gather(equations, inputs, switched=model.switched)
     x0 = numpy.array(model.initial_state(values, initial), dtype=float)
@@ -125,16 +165,30 @@ def simulate(
         time_budget=time_budget,
         t_eval=_grid(t_eval, span),
         backend=backend,
+        record=record,
     )
     try:
-        if chosen == "dopri5":
-            return _hybrid(model, (span, x0, p), values, table, options)
+        choice = choose(model, solver, backend, Start(span, x0, p, table))
+        if choice.solver == "dopri5":
+            run = _hybrid(model, (span, x0, p), values, table, options)
+            return _reasoned(run, choice, span)
         guess = numpy.array(algebraic_guess(equations, initial))
-        return _smooth(model, (span, x0, p), values, (table, guess), options, chosen)
+        run = _smooth(model, (span, x0, p), values, (table, guess), options, choice.solver)
+        return _reasoned(run, choice, span)
     except ProgramError as error:
         raise SimulationError(
             f"model {equations.name!r} cannot be turned into numbers: {error}"
         ) from None
+
+
+def _reasoned(run: Trajectory, choice: Choice, span: tuple[float, float]) -> Trajectory:
+    """Say why the solver was taken, and which would have come further."""
+    remark = ""
+    if choice.solver == "dopri5" and not run.outcome.ok:
+        p = numpy.array([run.parameters[s.name] for s in run.model.equations.parameters])
+        end = Start(span, run.x_end, p, run.inputs)
+        remark = stiff_advice(run.model, run.outcome, end)
+    return replace(run, solver_reason=choice.reason, remark=remark)
 
 
 def _hybrid(
@@ -163,7 +217,8 @@ def _hybrid(
     end = None
     if stored is not None:
         end, _ = measured(model, solution.t_end, solution.x_end, table, p)
-    return _trajectory(model, solution, values, table, _audit(solution, energy, end))
+    trajectory = _trajectory(model, solution, values, table, _audit(solution, energy, end))
+    return _with_steps(trajectory, Kept(problem, options, solution))
 
 
 def _searched(
@@ -204,7 +259,8 @@ def _searched(
         stored(solution.t_end, solution.x_end, solution.codes_end),
     )
     audit = _audit(solution, energies[0] or 0.0, energies[1])
-    return _trajectory(model, solution, values, table, audit)
+    trajectory = _trajectory(model, solution, values, table, audit)
+    return _with_steps(trajectory, Kept(problem, options, solution))
 
 
 def _smooth(
@@ -235,7 +291,12 @@ def _smooth(
         last = numpy.append(solution.x_end, solution.z_end)
         end, _ = measured(model, solution.t_end, last, table, p)
     audit = _audit(solution, first or 0.0, end)
-    return _smooth_trajectory(model, solution, values, table, audit, solver)
+    trajectory = _smooth_trajectory(model, solution, values, table, audit, solver)
+    return _with_steps(trajectory, Kept(problem, options))
+
+
+def _with_steps(trajectory: Trajectory, kept: Kept) -> Trajectory:
+    return replace(trajectory, kept=kept) if kept.options.record else trajectory
 
 
 def _span(t_span: Any) -> tuple[float, float]:

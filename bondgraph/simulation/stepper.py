@@ -112,7 +112,7 @@ class Stepper:
         self.model = model
         self.parameters = problem.parameters
         self.options = options
-        self.inputs, self.knots, self.values, self.linear = problem.input_table()
+        self.inputs, self.knots, self.values, self.shapes, self.jumps = problem.input_table()
         self.t_eval: Array | None = options.t_eval
         self.weights, self.energy0 = problem.weights_or_zero(), float(problem.energy0)
         self.t, self.t_end = float(problem.t_span[0]), float(problem.t_span[1])
@@ -144,6 +144,7 @@ class Stepper:
         self.bad = self.shrinks = self.halvings = self.futile = 0
         self.after_rejection = self.started = self.keep_step = False
         self.steps = self.rejected = self.evaluations = self.next_eval = 0
+        self.record: list[Array] | None = [] if options.record else None
         self.rows: list[Array] = []
         self.row_codes: list[Array] = []
         self.events: list[tuple[float, int, int, int, Array]] = []
@@ -174,9 +175,8 @@ class Stepper:
         i = self.knot
         if i < 0 or i + 1 >= len(self.knots):
             return self.values[max(i, 0)] if len(self.values) else np.zeros(0)
-        left, right = self.values[i], self.values[i + 1]
-        slope = np.where(self.linear, (right - left) / (self.knots[i + 1] - self.knots[i]), 0.0)
-        return left + (t - self.knots[i]) * slope
+        s, (slope, bend, twist) = t - self.knots[i], self.shapes[i]
+        return self.values[i] + s * (slope + s * (bend + s * twist))
 
     def functions(self, code: Array) -> tuple[Model, Model]:
         """Of the mode in which exactly the switches with code 0 stick."""
@@ -604,6 +604,10 @@ class Stepper:
     def commit(self) -> None:
         """The end of the step becomes the present point."""
         n = self.n
+        if self.record is not None:
+            self.record.append(
+                np.concatenate([[self.t, self.h_used, len(self.events)], self.x[:n]])
+            )
         self.x = self.x_new
         self.K[0] = self.K[6]
         self.sample[0] = self.sample[4]
@@ -621,9 +625,7 @@ class Stepper:
     def cross_knot(self) -> None:
         """Into the next interval of the input table; only a jump needs more than that."""
         self.knot += 1
-        i = self.knot
-        held = ~self.linear
-        if i > 0 and np.any(self.values[i][held] != self.values[i - 1][held]):
+        if self.jumps[self.knot]:
             self.keep_step = True
             self.classify()
 

@@ -4,12 +4,21 @@ from __future__ import annotations
 
 import logging
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from ..errors import SimulationError
-from .compiler import CompileError, NativeMode, load_driver, load_mode
+from .builds import Build
+from .compiler import (
+    CompileError,
+    NativeMode,
+    Wanted,
+    driver_wanted,
+    load_driver,
+    load_mode,
+    mode_wanted,
+)
 
 if TYPE_CHECKING:
     import ctypes
@@ -67,6 +76,7 @@ class ModeTable:
         self._functions: dict[int, ModeFunctions] = {}
         self._native: dict[int, NativeMode] = {}
         self._driver: ctypes.CDLL | None = None
+        self._builds: dict[int | None, tuple[Wanted, Build]] = {}
         self.refusal: str | None = None
         self._lock = threading.RLock()
 
@@ -86,15 +96,14 @@ class ModeTable:
         return ModeFunctions(rhs, _dense(mode.guard, 2 * self.k, f"guard of mode {mask}"))
 
     def machine_code(self, mask: int) -> NativeMode:
-        """The same, as compiled C; raises CompileError."""
+        """The same, as compiled C; waits for the compiler, raises CompileError."""
         with self._lock:
             if mask not in self._native:
-                mode = self.functions(mask)
-                self._native[mask] = load_mode(mode.rhs, mode.guard, (self.n, self.m, self.k))
+                self._native[mask] = self._load(mask, self._wanted(mask).load())
             return self._native[mask]
 
     def driver(self) -> ctypes.CDLL:
-        """The compiled integrator; raises CompileError."""
+        """The compiled integrator; waits for the compiler, raises CompileError."""
         with self._lock:
             if self._driver is None:
                 self._driver = load_driver()
@@ -105,19 +114,82 @@ class ModeTable:
         with self._lock:
             return dict(self._native)
 
-    def compiled(self) -> bool:
-        """Whether the model can run as compiled C; says once why where it cannot."""
+    def at_hand(self, mask: int) -> bool:
+        """Whether a mode and the integrator are there as compiled C; never waits.
+
+        What is not in the cache is compiled behind from now on.
+        """
         with self._lock:
-            if self.refusal is None and not self._native:
+            if self.refusal is not None:
+                return False
+            if mask in self._native and self._driver is not None:
+                return True
+            try:
+                if mask not in self._native:
+                    self._begin(mask)
+                if self._driver is None:
+                    self._begin(None)
+            except CompileError as failure:
+                self._refuse(failure)
+            return mask in self._native and self._driver is not None
+
+    def _begin(self, mask: int | None) -> None:
+        """Load a mode, or the integrator, from the cache, or see how far the compiler is with it."""
+        what = "the integrator" if mask is None else f"mode {mask} of {self.n} states"
+        if mask in self._builds:
+            wanted, build = self._builds[mask]
+            if not build.finished():
+                return
+            del self._builds[mask]
+            library = wanted.made(build)
+            log.info("%s is compiled, after %.1f s", what, build.age())
+        else:
+            wanted = driver_wanted() if mask is None else self._wanted(mask)
+            kept = wanted.kept()
+            if kept is None:
+                self._builds[mask] = wanted, wanted.behind()
+                log.info("%s is compiled behind; runs are on the virtual machine till then", what)
+                return
+            library = kept
+        if mask is None:
+            self._driver = load_driver(library)
+        else:
+            self._native[mask] = self._load(mask, library)
+
+    def _wanted(self, mask: int) -> Wanted:
+        mode = self.functions(mask)
+        if not is_casadi(mode.rhs):
+            raise CompileError("the model is given as Python functions")
+        return mode_wanted(mode.rhs, mode.guard, (self.n, self.m, self.k))
+
+    def _load(self, mask: int, library: ctypes.CDLL) -> NativeMode:
+        mode = self.functions(mask)
+        return load_mode(mode.rhs, mode.guard, (self.n, self.m, self.k), library)
+
+    def compiled(self) -> bool:
+        """Whether the model can run as compiled C, waited for; says once why where it cannot."""
+        with self._lock:
+            if self.refusal is None and not (self._native and self._driver):
                 try:
-                    if not is_casadi(self.functions(0).rhs):
-                        raise CompileError("the model is given as Python functions")
-                    self.driver()
                     self.machine_code(0)
+                    self.driver()
                 except CompileError as failure:
-                    self.refusal = str(failure)
-                    log.warning("simulating without compiled code, slower: %s", failure)
+                    self._refuse(failure)
             return self.refusal is None
+
+    def compile(self, masks: Iterable[int]) -> bool:
+        """Compile modes and the integrator, all at once, and wait; False where that cannot be."""
+        wanted = list(masks)
+        for mask in wanted:
+            self.at_hand(mask)
+        if self.compiled():
+            for mask in wanted:
+                self.machine_code(mask)
+        return self.refusal is None
+
+    def _refuse(self, failure: CompileError) -> None:
+        self.refusal = str(failure)
+        log.warning("simulating without compiled code, slower: %s", failure)
 
 
 def is_casadi(function: Any) -> bool:

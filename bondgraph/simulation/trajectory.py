@@ -22,6 +22,9 @@ if TYPE_CHECKING:
     import pandas
     import xarray
 
+    from .problem import Options, Problem, Solution
+    from .smooth import SmoothProblem
+
 Array = numpy.ndarray
 
 
@@ -68,6 +71,23 @@ class Energy:
 
 
 @dataclass(frozen=True, eq=False)
+class Kept:
+    """What a run was made from, and how it went.
+
+    Attributes
+    ----------
+    problem : Problem or SmoothProblem
+    options : Options
+    solution : Solution or None
+        With its steps; None for a smooth model.
+    """
+
+    problem: Problem | SmoothProblem
+    options: Options
+    solution: Solution | None = None
+
+
+@dataclass(frozen=True, eq=False)
 class Trajectory:
     """Result of a simulation.
 
@@ -96,8 +116,14 @@ class Trajectory:
         ``"native"`` or ``"vm"``.
     solver : str
         ``"dopri5"``, ``"cvodes"``, ``"idas"`` or ``"rosenbrock"``.
+    solver_reason : str
+        Why that one, such as "rosenbrock: 3 algebraic variables".
+    remark : str
+        What the run itself adds to its outcome's advice; empty where it has nothing.
     z : (nz, nt) array
         Algebraic variables, ordered as ``model.equations.algebraic``.
+    kept : Kept or None
+        What the run was made from, where `sensitivities` asked for it.
     """
 
     t: Array
@@ -117,6 +143,9 @@ class Trajectory:
     solver: str = "dopri5"
     z: Array = field(default_factory=lambda: numpy.zeros((0, 1)))
     z_end: Array = field(default_factory=lambda: numpy.zeros(0))
+    solver_reason: str = ""
+    remark: str = ""
+    kept: Kept | None = field(default=None, repr=False)
 
     def __getitem__(self, name: str) -> Array:
         """Return a signal at all times, of shape (nt,)."""
@@ -148,6 +177,11 @@ class Trajectory:
         )
 
     @property
+    def advice(self) -> str:
+        """What happened at the end, and what to do about it."""
+        return "; ".join(filter(None, (self.outcome.advice, self.remark)))
+
+    @property
     def names(self) -> tuple[str, ...]:
         """Names of all signals."""
         return self.model.names
@@ -161,12 +195,10 @@ class Trajectory:
     def final(self) -> dict[str, float]:
         """States and outputs at the last good time."""
         names = (*self.states, *self.model.equations.outputs)
-        values = self._evaluate(
-            names,
-            numpy.array([self.t_end]),
-            numpy.append(self.x_end, self.z_end).reshape(-1, 1),
-            self.codes_end.reshape(1, -1),
-        )
+        end = numpy.array([self.t_end])
+        solved = numpy.append(self.x_end, self.z_end).reshape(-1, 1)
+        ((mask, (_, arguments)),) = self._sorted(end, solved, self.codes_end[None]).items()
+        values = self.model.signals(mask, names)(*arguments)
         return {name: float(value[0]) for name, value in zip(names, values, strict=True)}
 
     @property
@@ -257,6 +289,7 @@ class Trajectory:
             "model": self.model.equations.name,
             "outcome": self.outcome.value,
             "solver": self.solver,
+            "solver_reason": self.solver_reason,
             "t_end": self.t_end,
             **{f"parameter {name}": value for name, value in self.parameters.items()},
         }
@@ -322,34 +355,37 @@ class Trajectory:
             )
 
     def _along(self, names: tuple[str, ...]) -> Array:
-        """Evaluate signals at all times."""
+        """Evaluate signals at all times, sample by sample in the equations of its own mode."""
+        self._check(names)
+        out = numpy.empty((len(names), len(self.t)))
+        for mask, (here, arguments) in self._by_mode.items():
+            out[:, here] = self.model.signals(mask, names)(*arguments)
+        return out
+
+    @functools.cached_property
+    def _by_mode(self) -> dict[int, tuple[Any, tuple[Array, ...]]]:
+        """Where each mode holds, and there what its signals are functions of."""
         solved = numpy.concatenate([self.x, self.z]) if len(self.z) else self.x
-        return self._evaluate(names, self.t, solved, self.codes)
+        return self._sorted(self.t, solved, self.codes)
 
-    def _evaluate(self, names: tuple[str, ...], t: Array, x: Array, codes: Array) -> Array:
-        """Evaluate signals sample by sample in the equations of the sample's own mode.
+    def _sorted(self, t: Array, x: Array, codes: Array) -> dict[int, tuple[Any, tuple[Array, ...]]]:
+        """Sort samples by mode; algebraic variables follow the states in x."""
+        names = [symbol.name for symbol in self.model.equations.parameters]
+        p = numpy.array([self.parameters[name] for name in names])[:, None]
+        u = at(self.inputs, t)
+        masks = (codes == 0) @ (1 << numpy.arange(codes.shape[1]))
+        found: dict[int, tuple[Any, tuple[Array, ...]]] = {}
+        for mask in numpy.unique(masks).tolist():
+            here = slice(None) if (masks == mask).all() else numpy.flatnonzero(masks == mask)
+            found[mask] = here, (t[None, here], x[:, here], u[:, here], p, codes[here].T)
+        return found
 
-        Algebraic variables follow the states in x.
-        """
+    def _check(self, names: tuple[str, ...]) -> None:
         for name in names:
             try:
                 self.model.expression(self.model.equations, name)
             except KeyError:
                 raise unknown_name("signal", name, self.names) from None
-        out = numpy.empty((len(names), len(t)))
-        p = numpy.array(
-            [self.parameters[symbol.name] for symbol in self.model.equations.parameters]
-        )
-        u = at(self.inputs, t)
-        bits = 1 << numpy.arange(codes.shape[1])
-        masks = ((codes == 0) * bits).sum(axis=1).astype(int)
-        for mask in numpy.unique(masks):
-            here = masks == mask
-            function = self.model.signals(int(mask), names)
-            out[:, here] = function(
-                t[None, here], x[:, here], u[:, here], p[:, None], codes[here].T
-            )
-        return out
 
 
 def _optional(module: str) -> Any:

@@ -1,28 +1,17 @@
-"""The hand-written C automaton, compiled on first use and called through ctypes.
-
-The library lies in the user's cache (``$XDG_CACHE_HOME/halfarrow/benchmarks``), keyed by source,
-compiler, flags and processor; nothing is written into the tree.
-"""
+"""The hand-written C automaton, one run or a loop over many."""
 
 from __future__ import annotations
 
 import ctypes
 import functools
-import hashlib
-import os
-import platform
-import shutil
-import subprocess
-import tempfile
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-SOURCE = Path(__file__).with_name("brake_automaton.c")
-FLAGS = ("-O2", "-march=native", "-shared", "-fPIC", "-DNO_MAIN")
+from .native import compiled
+
 NAMES = (
     *("k_f", "k_w", "f_f", "f_w", "r_r", "r_t", "zeta_f", "zeta_w"),
     *("V0", "mu_s", "mu_k", "v_s", "F_k", "tau"),
@@ -32,10 +21,6 @@ MAX_EVENTS = 4096
 
 _FAILURES = {-1: "ran out of steps", -2: "step underflow", -3: "not finite"}
 _Pointer = ctypes.POINTER(ctypes.c_double)
-
-
-class BaselineUnavailable(RuntimeError):
-    """No C compiler, or it failed."""
 
 
 @dataclass(frozen=True)
@@ -63,59 +48,23 @@ class AutomatonRun:
         return [t for t, mode in self.events if mode == "stick"]
 
 
-def _compiler() -> str:
-    for name in (os.environ.get("CC"), "gcc", "cc", "clang"):
-        if name and shutil.which(name):
-            return name
-    raise BaselineUnavailable("no C compiler: set CC or install gcc")
-
-
-def _cache() -> Path:
-    root = os.environ.get("XDG_CACHE_HOME")
-    folder = (Path(root) if root else Path.home() / ".cache") / "halfarrow" / "benchmarks"
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError:
-        return Path(tempfile.mkdtemp(prefix="halfarrow-benchmarks-"))
-    return folder
-
-
-def _processor() -> str:
-    # -march=native must not meet another processor through a shared home
-    try:
-        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
-    except OSError:
-        return platform.processor() + platform.node()
-    return "".join(sorted({x for x in lines if x.startswith(("model name", "flags", "Features"))}))
-
-
 @functools.cache
 def automaton() -> ctypes.CDLL:
-    """Compile the automaton if needed and load it.
+    """Load the automaton.
 
     Raises
     ------
     BaselineUnavailable
         if there is no working C compiler
     """
-    compiler = _compiler()
-    key = "\0".join([compiler, *FLAGS, platform.machine(), _processor(), SOURCE.read_text("utf-8")])
-    path = _cache() / f"brake-{hashlib.sha256(key.encode()).hexdigest()[:16]}.so"
-    if not path.exists():
-        part = path.with_name(f"{path.name}.{os.getpid()}")
-        command = [compiler, *FLAGS, "-o", str(part), str(SOURCE), "-lm"]
-        done = subprocess.run(command, capture_output=True, text=True, check=False)
-        if done.returncode:
-            raise BaselineUnavailable(f"{' '.join(command)}: {done.stderr.strip()}")
-        # a rename is atomic: two benchmarks started together both find a whole library
-        part.replace(path)
-    loaded = ctypes.CDLL(str(path))
+    loaded = compiled("brake_automaton.c")
     n, x = ctypes.c_int, ctypes.c_double
     loaded.brake_run.argtypes = [_Pointer, x, x, n, _Pointer, _Pointer, n]
     loaded.brake_run_full.argtypes = [
         _Pointer, _Pointer, x, x, x, n, _Pointer, _Pointer, n, _Pointer
     ]  # fmt: skip
-    loaded.brake_run.restype = loaded.brake_run_full.restype = n
+    loaded.brake_sweep.argtypes = [_Pointer, n, x, x, _Pointer, ctypes.POINTER(n)]
+    loaded.brake_run.restype = loaded.brake_run_full.restype = loaded.brake_sweep.restype = n
     return loaded
 
 
@@ -195,3 +144,26 @@ def run(
         events=tuple((float(t), MODES[int(mode)]) for t, mode in events[: min(count, MAX_EVENTS)]),
         energies=(road, bt, bf, friction),
     )
+
+
+def sweep(
+    points: Sequence[Mapping[str, float]], t_end: float, rtol: float
+) -> tuple[NDArray[np.float64], NDArray[np.intc]]:
+    """Run the automaton once for each point, in one loop in C.
+
+    Returns
+    -------
+    final : (np, 4) array, states at `t_end`
+    sticks : (np,) array of int, how often rotor and pads stuck; -1 where the automaton gave up
+    """
+    parameters = np.array([[point[name] for name in NAMES] for point in points])
+    final, sticks = np.empty((len(points), 4)), np.empty(len(points), dtype=np.intc)
+    automaton().brake_sweep(
+        parameters.ctypes.data_as(_Pointer),
+        len(points),
+        t_end,
+        rtol,
+        final.ctypes.data_as(_Pointer),
+        sticks.ctypes.data_as(ctypes.POINTER(ctypes.c_int)),
+    )
+    return final, sticks

@@ -418,6 +418,22 @@ int brake_run(const double *params, double t_end, double rtol, int n_out, double
                           NULL);
 }
 
+/* A loop over parameter sets of 14: states at the end, and how often it stuck (-1: gave up). */
+int brake_sweep(const double *params, int count, double t_end, double rtol, double *final,
+                int *sticks)
+{
+    enum { ROOM = 4096 };
+    double out[2 * N_OUT_COLUMNS], events[2 * ROOM];
+    for (int i = 0; i < count; i++) {
+        const int n = brake_run(params + 14 * i, t_end, rtol, 2, out, events, ROOM);
+        sticks[i] = n < 0 || n > ROOM ? -1 : 0;
+        for (int k = 0; k < n && n <= ROOM; k++)
+            sticks[i] += events[2 * k + 1] == 0;
+        memcpy(final + 4 * i, out + N_OUT_COLUMNS, 4 * sizeof *final);
+    }
+    return count;
+}
+
 #ifndef NO_MAIN
 static double cpu_seconds(void)
 {

@@ -21,6 +21,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from .report import Limit, Report
+
 ROOT = Path(__file__).parents[2]
 SIZES = (10, 100, 1000, 10000)
 KINDS = ("rc", "rlc")
@@ -90,6 +92,32 @@ class Row:
     seconds: float = math.nan
     ratio: float = math.nan
     note: str = ""
+
+
+def report(rounds: int, everything: bool) -> Report:
+    """Race up to 10000 storages; ``rounds`` processes for each of ours, 3 at most."""
+    rows = race(rounds=min(rounds, ROUNDS))
+    names = list(dict.fromkeys(row.name for row in rows if row.kind))
+    headings = ["ladder", "storages", f"{OURS}, CPU s"]
+    for name in names[1:]:
+        headings += [f"{name}, CPU s", "ratio"]
+    lines = []
+    for kind, storages in dict.fromkeys((row.kind, row.storages) for row in rows if row.kind):
+        line = [kind.upper(), str(storages)]
+        for row in rows:
+            if (row.kind, row.storages) == (kind, storages):
+                ratio = "" if row.note else f"{row.ratio:.1f}"
+                told = [row.note or f"{row.seconds:.3f}", ratio]
+                line += told[:1] if row.name == OURS else told
+        lines.append(line)
+    limits = []
+    for kind, exponent, seconds in exponents(rows):
+        limits.append(
+            Limit(f"{kind.upper()}, exponent from 1000 to 10000", exponent, EXPONENT_LIMIT)
+        )
+        limits.append(Limit(f"{kind.upper()}, CPU s at 10000", seconds, SECONDS_LIMIT))
+    absent = [f"{row.name}: {row.note}" for row in rows if not row.kind]
+    return Report("ladders", headings, lines, limits, absent)
 
 
 def race(

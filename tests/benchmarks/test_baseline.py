@@ -11,6 +11,7 @@ import pytest
 
 from ..oracles import brake, random_brakes
 from . import baseline, timing
+from .native import BaselineUnavailable
 
 STORED = random_brakes.stored()
 
@@ -19,7 +20,7 @@ STORED = random_brakes.stored()
 def _compiled() -> None:
     try:
         baseline.automaton()
-    except baseline.BaselineUnavailable as reason:
+    except BaselineUnavailable as reason:
         pytest.skip(str(reason))
 
 
@@ -54,6 +55,17 @@ def test_stored_brakes(case: dict[str, Any]) -> None:
 def test_prepared_run_repeats() -> None:
     call = baseline.prepare(brake.parameters(brake.figure("fig8")), 0.1, 1e-6, 11)
     assert call() == call() > 0
+
+
+def test_the_loop_in_c_is_that_over_runs() -> None:
+    base = brake.parameters(brake.figure("fig8"))
+    points = [base | {"V0": speed} for speed in (0.6, 0.9, 1.4)]
+    final, sticks = baseline.sweep(points, 0.1, 1e-6)
+    for i, point in enumerate(points):
+        run = baseline.run(point, 0.1, rtol=1e-6, n_out=2)
+        assert (final[i] == run.states[-1]).all()
+        assert sticks[i] == len(run.stick_times)
+    assert sticks.max() > 5
 
 
 def test_contestants_take_turns() -> None:

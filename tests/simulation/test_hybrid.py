@@ -794,7 +794,8 @@ def test_bad_combinations_are_refused(belt_modes):
         ([0, 0], [[1], [2]], [0], "increase"),
         ([0, 1], [[1]], [0], "needs"),
         ([0], [[math.nan]], [0], "finite"),
-        ([0], [[1]], [2], "zero order"),
+        ([0], [[1]], [3], "zero order"),
+        ([0, 1], [[1], [2]], [2], "coefficients"),
         ([], np.zeros((0, 1)), [0], "needs"),
     ],
 )
@@ -827,55 +828,7 @@ def test_results_with_structural_zeros_are_filled(tmp_path):
 
 @pytest.mark.skipif(not COMPILER, reason="no compiler")
 class TestCompiled:
-    """The cache and the loader."""
-
-    SOURCE = "double twice(double x) { return 2 * x; }\n"
-
-    @pytest.fixture(autouse=True)
-    def own_cache(self, tmp_path, monkeypatch):
-        self.folder = tmp_path / "own"
-        monkeypatch.setenv("HALFARROW_CACHE", str(self.folder))
-
-    def kept(self):
-        return sorted(self.folder.rglob("*.so"))
-
-    def test_is_built_once(self, monkeypatch):
-        compiler.load_shared(self.SOURCE, "twice")
-        (file,) = self.kept()
-        monkeypatch.setattr(compiler, "_compile", None)  # would fail if called
-        assert compiler.load_shared(self.SOURCE, "twice").twice
-        assert self.kept() == [file]
-
-    @pytest.mark.parametrize("damage", [b"", b"\x7fELF", None])
-    def test_damaged_files_are_built_again(self, damage):
-        compiler.load_shared(self.SOURCE, "twice")
-        (file,) = self.kept()
-        content = file.read_bytes()
-        file.unlink()  # the old one stays mapped
-        file.write_bytes(content[: len(content) // 2] if damage is None else damage)
-        assert compiler.load_shared(self.SOURCE, "twice").twice
-        (file,) = self.kept()
-        assert len(file.read_bytes()) > 1000
-
-    def test_many_writers_do_no_harm(self):
-        sources = [self.SOURCE + f"int number = {i % 3};\n" for i in range(12)]
-        with ThreadPoolExecutor(6) as pool:
-            assert all(
-                pool.map(lambda source: compiler.load_shared(source, "twice").twice, sources)
-            )
-        assert len({file.parent for file in self.kept()}) == 3
-        assert not list(self.folder.rglob("*.part"))
-
-    def test_an_unusable_cache_is_done_without(self, monkeypatch, caplog):
-        monkeypatch.setenv("HALFARROW_CACHE", "/dev/null/nowhere")
-        with caplog.at_level(logging.WARNING):
-            assert compiler.load_shared(self.SOURCE, "twice").twice
-        assert "cannot be used" in caplog.text
-
-    def test_a_refused_source_keeps_what_the_compiler_said(self):
-        with pytest.raises(compiler.CompileError) as caught:
-            compiler.load_shared("int oops(", "oops")
-        assert "oops" in caught.value.stderr
+    """Threads; the cache has tests of its own."""
 
     def test_one_table_serves_threads(self, belt_modes):
         speeds = np.linspace(0.2, 0.8, 24)

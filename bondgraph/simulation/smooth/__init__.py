@@ -6,13 +6,14 @@ sizes their tolerances, `folds` watches the algebraic part, `march` goes from bl
 block with the last good point in hand, `run` puts them together.
 """
 
-from .functions import SmoothFunctions, initial_algebraic, smooth_functions
+from .functions import SmoothFunctions, from_rates, initial_algebraic, smooth_functions
 from .run import SmoothProblem, SmoothSolution, integrate_smooth, tabled
 
 __all__ = [
     "SmoothFunctions",
     "SmoothProblem",
     "SmoothSolution",
+    "from_rates",
     "initial_algebraic",
     "integrate_smooth",
     "smooth_functions",

@@ -97,10 +97,27 @@ def smooth_functions(equations: Equations, parameters: Sequence[sympy.Symbol]) -
             ],
         },
     )
-    sizes = [len(symbols) for _, symbols in program.arguments]
+    names = tuple(symbol.name for symbol in equations.algebraic)
+    return from_rates(to_casadi(program), names)
+
+
+def from_rates(rates: casadi.Function, names: tuple[str, ...]) -> SmoothFunctions:
+    """Add the derivatives that solvers and checks need.
+
+    Parameters
+    ----------
+    rates : casadi.Function
+        ``(t, x, z, u, p)`` to dx/dt, residuals, powers.
+    names : tuple of str
+        Of the algebraic variables.
+
+    Returns
+    -------
+    SmoothFunctions
+    """
+    sizes = [rates.numel_in(i) for i in range(5)]
     arguments = [casadi.SX.sym(label, size) for size, label in zip(sizes, "txzup", strict=True)]
     x, z, u = arguments[1:4]
-    rates = to_casadi(program)
     ode, alg, _ = rates(*arguments)
     f_x, f_z, g_x, g_z, g_u = (
         casadi.densify(casadi.jacobian(of, by))
@@ -111,15 +128,15 @@ def smooth_functions(equations: Equations, parameters: Sequence[sympy.Symbol]) -
         casadi.fabs(alg),
     )
     return SmoothFunctions(
-        n=len(equations.states),
-        nz=len(equations.algebraic),
-        m=len(equations.inputs),
-        np=len(parameters),
-        names=tuple(symbol.name for symbol in equations.algebraic),
+        n=sizes[1],
+        nz=sizes[2],
+        m=sizes[3],
+        np=sizes[4],
+        names=names,
         rates=rates,
         residual=casadi.Function("residual", arguments, [alg, g_z, casadi.densify(terms)]),
         slopes=casadi.Function("slopes", arguments, [ode, alg, f_x, f_z, g_x, g_z]),
-        step=_newton_step(arguments, alg, z) if equations.algebraic else None,
+        step=_newton_step(arguments, alg, z) if names else None,
     )
 
 

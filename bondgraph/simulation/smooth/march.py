@@ -112,7 +112,7 @@ class March:
     def _enter(self, part: Piece) -> None:
         """Make the algebraic variables consistent with the inputs after a jump."""
         if part.jumps and self.t > self._start:
-            found = solve_algebraic(self._functions, self.t, self.x, part.u, self._p, self.z)
+            found = solve_algebraic(self._functions, self.t, self.x, part.curve[0], self._p, self.z)
             if found is None:
                 raise _Stopped(Outcome.SINGULAR)
             self.z = found
@@ -120,8 +120,7 @@ class March:
 
     def _here(self, part: Piece) -> tuple[float, Array, Array, Array, Array]:
         """Return the last good point, and the sizes of its algebraic variables."""
-        u = part.u + part.slope * (self.t - part.start)
-        return self.t, self.x, u, self.z, self._sizes.z
+        return self.t, self.x, part.at(self.t), self.z, self._sizes.z
 
     def _through(self, part: Piece, inner: list[float]) -> None:
         """Pass through a piece and keep rows at the times inside it."""
@@ -190,7 +189,7 @@ class March:
             (self.t, float(times[-1]) - self.t),
             self.x,
             self.z,
-            (part.u + part.slope * (self.t - part.start), part.slope),
+            part.since(self.t),
             self._p,
             (self._sizes.x, self._sizes.z),
             min(STEPS, max(self._options.max_steps - self.steps, 1)),
@@ -202,7 +201,7 @@ class March:
     def _consistent(self, part: Piece, times: Array, got: Stretch) -> Array:
         if not self._functions.nz:
             return got.z
-        u = part.u[:, None] + part.slope[:, None] * (times - part.start)
+        u = part.along(times)
         z = polished(self._functions, times, got.x, u, self._p, got.z)
         last = float(times[-1]), got.x[:, -1], u[:, -1]
         if z is None or not self._folds.keeps(*last, z[:, -1], self._sizes.z):

@@ -1,4 +1,4 @@
-"""Pieces of a run: between two knots of its inputs these are straight lines."""
+"""Pieces of a run: between two knots each of its inputs is a cubic, mostly a straight line."""
 
 from __future__ import annotations
 
@@ -8,8 +8,7 @@ from dataclasses import dataclass
 
 import numpy
 
-from ..inputs import at
-from ..problem import InputTable
+from ..problem import SEAM, InputTable
 
 Array = numpy.ndarray
 # Rows of a run without output times: equal intervals over its span, and intervals that double from
@@ -20,22 +19,67 @@ HALVINGS = 20
 
 @dataclass(frozen=True, eq=False)
 class Piece:
-    """A stretch of time on which the inputs are ``u + slope (t - start)``.
+    """A stretch of time on which the inputs are cubics.
 
     Attributes
     ----------
     start, end : float
         Times, s.
-    u, slope : (m,) array
+    curve : (4, m) array
+        Coefficients of the powers 0 to 3 of the time since the start.
     jumps : bool
         Whether an input jumps at the start; at the start of a run it always does.
     """
 
     start: float
     end: float
-    u: Array
-    slope: Array
+    curve: Array
     jumps: bool
+
+    def at(self, t: float) -> Array:
+        """Return the inputs at a time, shape (m,)."""
+        s = t - self.start
+        u, slope, bend, twist = self.curve
+        return u + s * (slope + s * (bend + s * twist))
+
+    def along(self, times: Array) -> Array:
+        """Return the inputs at times, shape (m, nt)."""
+        s = times - self.start
+        u, slope, bend, twist = self.curve[:, :, None]
+        return u + s * (slope + s * (bend + s * twist))
+
+    def since(self, t: float) -> Array:
+        """Return the coefficients for the time since another start, shape (4, m)."""
+        return shifted(self.curve, t - self.start)
+
+
+def shifted(curve: Array, by: float | Array) -> Array:
+    """Return the coefficients of cubics about a point further on.
+
+    Parameters
+    ----------
+    curve : (4, ...) array
+        Of the powers 0 to 3.
+    by : float or (...) array
+
+    Returns
+    -------
+    (4, ...) array
+
+    Examples
+    --------
+    >>> shifted(numpy.array([[0.0], [0], [0], [1]]), 2.0).ravel().tolist()
+    [8.0, 12.0, 6.0, 1.0]
+    """
+    u, slope, bend, twist = curve
+    return numpy.array(
+        [
+            u + by * (slope + by * (bend + by * twist)),
+            slope + by * (2 * bend + by * 3 * twist),
+            bend + 3 * by * twist,
+            twist + 0 * by,
+        ]
+    )
 
 
 def pieces(table: InputTable, span: tuple[float, float]) -> list[Piece]:
@@ -54,34 +98,34 @@ def pieces(table: InputTable, span: tuple[float, float]) -> list[Piece]:
     Examples
     --------
     >>> table = InputTable(numpy.array([0, 1, 2.0]), numpy.array([[0], [4], [4.0]]), numpy.array([1]))
-    >>> [(piece.start, piece.end, piece.slope.tolist()) for piece in pieces(table, (0.5, 3))]
+    >>> [(piece.start, piece.end, piece.curve[1].tolist()) for piece in pieces(table, (0.5, 3))]
     [(0.5, 1.0, [4.0]), (1.0, 3.0, [0.0])]
     """
     inside = (span[0] < table.knots) & (table.knots < span[1])
     edges = numpy.concatenate([span[:1], table.knots[inside], span[1:]])
-    values = at(table, edges[:-1])
-    slopes = _slopes(table, edges[:-1])
+    curves = _curves(table, edges[:-1])
+    seam = SEAM * numpy.ptp(table.values, axis=0)
     found: list[Piece] = []
-    for index, (start, end) in enumerate(itertools.pairwise(edges)):
-        u, slope = values[:, index], slopes[:, index]
+    for curve, (start, end) in zip(curves, itertools.pairwise(edges), strict=True):
         jumps = True
         if found:
             last = found[-1]
-            arrived = last.u + last.slope * (start - last.start)
-            jumps = not numpy.allclose(arrived, u, rtol=1e-12, atol=0.0)
-            if not jumps and numpy.array_equal(slope, last.slope) and not slope.any():
-                found[-1] = Piece(last.start, float(end), last.u, last.slope, last.jumps)
+            jumps = not (numpy.abs(last.at(start) - curve[0]) <= seam).all()
+            if not jumps and not (last.curve[1:].any() or curve[1:].any()):
+                found[-1] = Piece(last.start, float(end), last.curve, last.jumps)
                 continue
-        found.append(Piece(float(start), float(end), u, slope, jumps))
+        found.append(Piece(float(start), float(end), curve, jumps))
     return found
 
 
-def _slopes(table: InputTable, times: Array) -> Array:
-    """Return the slopes of the inputs just after given times, shape (m, nt)."""
-    rises = numpy.diff(table.values, axis=0) / numpy.diff(table.knots)[:, None]
-    flat = numpy.zeros((1, len(table.hold)))
-    rises = numpy.concatenate([flat, rises * (table.hold == 1), flat])
-    return rises[numpy.searchsorted(table.knots, times, side="right")].T
+def _curves(table: InputTable, times: Array) -> Array:
+    """Return the cubics of the inputs just after given times, shape (nt, 4, m)."""
+    index = numpy.searchsorted(table.knots, times, side="right") - 1
+    before, index = index < 0, numpy.maximum(index, 0)
+    shapes = numpy.where(before[:, None, None], 0.0, table.shapes[index])
+    curves = numpy.concatenate([table.values[index][:, None], shapes], axis=1)
+    passed = numpy.where(before, 0.0, times - table.knots[index])
+    return shifted(curves.transpose(1, 0, 2), passed[:, None]).transpose(1, 0, 2)
 
 
 def own_grid(parts: Sequence[Piece]) -> Array:
@@ -98,7 +142,7 @@ def own_grid(parts: Sequence[Piece]) -> Array:
 
     Examples
     --------
-    >>> piece = Piece(0.0, 1.0, numpy.zeros(0), numpy.zeros(0), True)
+    >>> piece = Piece(0.0, 1.0, numpy.zeros((4, 0)), True)
     >>> times = own_grid([piece])
     >>> len(times), float(times[-1]), bool(times[1] < 1e-8)
     (1021, 1.0, True)

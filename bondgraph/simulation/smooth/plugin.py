@@ -81,7 +81,7 @@ class Plugin:
     >>> graph = assemble("rc", Zero("u") >> (C("c", 1), R("r", 1)))
     >>> plugin = Plugin(smooth_functions(derive(graph), ()), "cvodes", 1e-9, 0.0, float("inf"))
     >>> one, none = numpy.ones(1), numpy.zeros(0)
-    >>> got = plugin((1.0,), (0.0, 2.0), one, none, (none, none), none, (one, none))
+    >>> got = plugin((1.0,), (0.0, 2.0), one, none, numpy.zeros((4, 0)), none, (one, none))
     >>> round(float(got.x[0, 0]), 7)
     0.1353353
     """
@@ -108,7 +108,7 @@ class Plugin:
         time: tuple[float, float],
         x: Array,
         z: Array,
-        inputs: tuple[Array, Array],
+        inputs: Array,
         p: Array,
         sizes: tuple[Array, Array],
         max_steps: int = 5000,
@@ -123,8 +123,8 @@ class Plugin:
             Start and length, s.
         x, z : (n,), (nz,) array
             Consistent values at the start.
-        inputs : ((m,) array, (m,) array)
-            At the start, and their slope.
+        inputs : (4, m) array
+            Coefficients of the powers 0 to 3 of the time since the start.
         p : (np,) array
         sizes : ((n,) array, (nz,) array)
             What states and algebraic variables are measured by.
@@ -137,7 +137,7 @@ class Plugin:
         """
         size_x, size_z = sizes[0] + self._atol, sizes[1] / FLOOR + self._atol
         start = numpy.append(x / size_x, [0.0] if not self._n else [])
-        arguments = numpy.concatenate([time, *inputs, p, size_x, size_z])
+        arguments = numpy.concatenate([time, inputs.ravel(), p, size_x, size_z])
         integrator = self._integrator(pattern, time[1], max_steps)
         with quiet():
             try:
@@ -189,18 +189,20 @@ def _scaled(functions: SmoothFunctions) -> dict[str, casadi.SX]:
     n, nz, m = functions.n, functions.nz, functions.m
     tau, y, w = symbol("tau"), symbol("y", max(n, 1)), symbol("w", nz)
     start, length = symbol("start"), symbol("length")
-    u, slope, p = symbol("u", m), symbol("slope", m), symbol("p", functions.np)
+    u, slope, bend, twist = (symbol(name, m) for name in ("u", "slope", "bend", "twist"))
+    p = symbol("p", functions.np)
     size_x, size_z = symbol("size_x", n), symbol("size_z", nz)
     passed = length * tau
+    inputs = u + passed * (slope + passed * (bend + passed * twist))
     ode, alg, powers = functions.rates(
-        start + passed, y * size_x if n else size_x, w * size_z, u + slope * passed, p
+        start + passed, y * size_x if n else size_x, w * size_z, inputs, p
     )
     rates = length * ode / size_x if n else casadi.SX.zeros(1)
     return {
         "t": tau,
         "x": y,
         "z": w,
-        "p": casadi.vertcat(start, length, u, slope, p, size_x, size_z),
+        "p": casadi.vertcat(start, length, u, slope, bend, twist, p, size_x, size_z),
         "ode": rates,
         "alg": alg,
         "quad": length * powers,

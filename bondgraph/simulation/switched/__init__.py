@@ -4,8 +4,8 @@
 event on the method of `bondgraph.simulation.stepper`, `run` puts them together.
 """
 
-from .jump import imposed_before
+from .jump import imposed_before, jump
 from .run import integrate_switched
 from .search import mask_of
 
-__all__ = ["imposed_before", "integrate_switched", "mask_of"]
+__all__ = ["imposed_before", "integrate_switched", "jump", "mask_of"]

@@ -37,7 +37,7 @@ class TestPieces:
         assert [part.start for part in parts] == [-1, 0, 1, 2, 4]
         for part in parts:
             for t in np.linspace(part.start, part.end, 7)[:-1]:
-                here = part.u + part.slope * (t - part.start)
+                here = part.at(t)
                 assert here == pytest.approx(at(self.table, np.array([t]))[:, 0], abs=1e-12)
 
     def test_jumps_are_told_from_bends(self):
