@@ -13,7 +13,7 @@ from ..simulation import CompiledModel
 from .job import Job
 from .pools import Given, Here, Pool, Processes, Threads
 from .quantities import ENDS
-from .worker import packed, shareable
+from .worker import compiled, packed
 
 # Seconds that a chunk should take: long beside what it costs to hand over and write, short enough
 # to lose, and to watch.
@@ -77,8 +77,8 @@ def chosen(
     count = count_of(workers)
     if count == 1 or seconds < THREADS_FROM:
         return Here(model, job), "one worker" if count == 1 else "little work"
-    compiled = shareable(model, job)
-    if compiled and job.needs == ENDS:
+    fast = compiled(model, job)
+    if fast and job.needs == ENDS:
         return Threads(model, job, token, workers=count), "compiled runs do not hold Python's lock"
     if seconds >= PROCESSES_FROM:
         held = _held_back(job, token)
@@ -86,7 +86,7 @@ def chosen(
             return Processes(job, token, count), "work in Python, which holds its lock"
     else:
         held = "too little work for processes"
-    if compiled:
+    if fast:
         return Threads(model, job, token, workers=count), held
     return Here(model, job), held
 

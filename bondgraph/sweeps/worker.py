@@ -105,12 +105,18 @@ def run_parcel(parcel: Parcel, columns: Columns) -> Block:
     return evaluate(model, job, columns, _stopped)
 
 
-def shareable(model: CompiledModel, job: Job) -> bool:
-    """Whether threads may share a model: where it runs as compiled C."""
+def compiled(model: CompiledModel, job: Job) -> bool:
+    """Whether runs are expected to be compiled C, which needs no Python."""
     if model.switched or job.options["backend"] == "vm":
         return False
-    explicit = choose(model, job.options["solver"], job.options["backend"]) == EXPLICIT
-    return explicit and model.modes.compiled()
+    choice = choose(model, job.options["solver"], job.options["backend"])
+    return choice.solver == EXPLICIT and model.modes.compiled()
+
+
+def shareable(model: CompiledModel, job: Job) -> bool:
+    """Whether threads may share a model: where no point can turn to an integrator of CasADi."""
+    never_stiff = bool(model.contact_names) or job.options["solver"] == EXPLICIT
+    return never_stiff and compiled(model, job)
 
 
 _MODELS: collections.OrderedDict[tuple[str, int], tuple[Job, CompiledModel]] = (
