@@ -130,22 +130,19 @@ def _check_shared(model: CompiledModel, shared: tuple[dict[str, Any], ...]) -> N
     gather(model.equations, inputs, switched=model.switched)
 
 
-def in_si(model: CompiledModel, points: Points, job: Job) -> dict[str, Array]:
+def in_si(model: CompiledModel, points: Points) -> dict[str, Array]:
     """Return the points' values in SI, by name.
 
     Raises
     ------
     SweepError, ParameterError
-        For names the model does not have, or that are given to all points
-        too, and for units that do not fit.
+        For names the model does not have, and units that do not fit.
     """
     units = _units(model)
     for name in points.columns:
         if name not in units:
             hint = suggestion(name, units) or f"known: {', '.join(units)}"
             raise SweepError(f"parameter, state or input {name!r} is not known; {hint}")
-        if any(name in part for part in job.shared):
-            raise SweepError(f"{name!r} is varied and given to all points too; leave one out")
     return {
         name: _converted(name, column, points.units[name], units[name])
         for name, column in points.columns.items()

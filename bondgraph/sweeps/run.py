@@ -82,7 +82,7 @@ def sweep(
     t_span : (float, float) or float
         Start and end of each run, s.
     parameters, initial, inputs : mapping, optional
-        What all points share, as for `simulate`.
+        What all points share, as for `simulate`; what `points` vary goes before.
     t_eval : (nt,) array-like, optional
         Times at which quantities along a run look at it; 4001 even ones unless
         given.
@@ -141,7 +141,7 @@ def sweep(
     }
     shared = (parameters, initial, inputs)
     job = made_job(compiled, t_span, as_quantities(quantity), shared, options, t_eval)
-    columns = in_si(compiled, where, job)
+    columns = in_si(compiled, where)
     if chunk is not None and (not isinstance(chunk, int) or chunk < 1):
         raise SweepError(f"chunk is {chunk!r}; give a whole number of points, 1 or more")
     with contextlib.ExitStack() as stack:

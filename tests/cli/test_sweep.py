@@ -81,7 +81,6 @@ BAD = [
     (["--vary", "kk=1:2:3"], "did you mean"),
     (["--vary", "k=1:2:3[kg]"], "k.*kg"),
     (["--vary", "k=1:2:3", "--vary", "k=1:2:3"], "twice"),
-    (["--vary", "k=1:2:3", "--set", "k=2"], "varied and given"),
     (["--vary", "k=1:2:3", "--quantity", "loudest:v"], "cannot be read"),
     (["--vary", "k=1:2:3", "--quantity", "final:w"], "'w' is not known"),
     (["--vary", "k=1:2:3", "--until", "-1"], "until"),

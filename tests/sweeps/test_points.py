@@ -74,7 +74,6 @@ def test_what_makes_no_points_is_refused(make, match):
 
 REFUSED = [
     (dict(points=grid(mm=[1])), "'mm' is not known"),
-    (dict(points=grid(m=[1]), parameters={"m": 2}), "'m' is varied and given"),
     (dict(points=grid(m=([1], "N"))), "'m'.*'N'"),
     (dict(points={"m": [1]}), "grid.*or samples"),
     (dict(points=3), "points are"),

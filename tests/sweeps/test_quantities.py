@@ -71,6 +71,14 @@ def test_initial_states_and_inputs_are_varied_too():
     assert found["push"].units == "N"
 
 
+def test_what_is_varied_goes_before_what_is_shared():
+    asked = dict(t_span=1.0, initial=START)
+    plain = sweep(oscillator(), grid(k=STIFF), ("final:speed", "peak:speed"), **asked)
+    asked |= dict(parameters={"k": 5.0})
+    over = sweep(oscillator(), grid(k=STIFF), ("final:speed", "peak:speed"), **asked)
+    assert plain["final:speed"].values.tolist() == over["final:speed"].values.tolist()
+
+
 def test_units_of_points_are_converted():
     plain = sweep(oscillator(), grid(k=[8.0]), "final:speed", t_span=1.0, initial=START)
     small = sweep(oscillator(), grid(k=([8e-3], "N/mm")), "final:speed", t_span=1.0, initial=START)
