@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 import numpy
 
-from ..errors import SweepError, suggestion
+from ..errors import SweepError
+from .known import check_after, check_mode, check_signal, unit_of
 
 if TYPE_CHECKING:
     from ..simulation import CompiledModel, Trajectory
@@ -124,7 +125,7 @@ class _Along(Quantity):
     def check(self, model: CompiledModel, span: Span) -> None:
         """Raise SweepError for an unknown signal, or a time outside the run."""
         check_signal(model, self.signal)
-        _check_after(self, self.after, span)
+        check_after(self.label, self.after, span)
 
     def of_run(self, run: Trajectory) -> float:
         """Return the number of a finished run."""
@@ -266,7 +267,7 @@ class Share(Quantity):
     def check(self, model: CompiledModel, span: Span) -> None:
         """Raise SweepError for an unknown element or mode, or a time outside the run."""
         check_mode(model, self.element, self.mode)
-        _check_after(self, self.after, span)
+        check_after(self.label, self.after, span)
 
     def of_run(self, run: Trajectory) -> float:
         """Return the part, from the located times of events."""
@@ -367,48 +368,6 @@ class Energy(Quantity):
     def of_ends(self, ends: Ends) -> Array:
         """Return the terms of the runs' audits."""
         return numpy.asarray(getattr(ends, self.term))
-
-
-def unit_of(model: CompiledModel, signal: str) -> str:
-    """Return a signal's unit: as declared, else as inferred."""
-    graph = model.equations.graph
-    if signal in graph.outputs and graph.outputs[signal].unit:
-        return graph.outputs[signal].unit
-    for symbol, unit in graph.inputs.items():
-        if symbol.name == signal:
-            return unit
-    return model.units.get(signal) or ""
-
-
-def check_signal(model: CompiledModel, name: str) -> None:
-    """Raise SweepError unless a model has a signal of this name."""
-    try:
-        model.expression(model.equations, name)
-    except KeyError:
-        hint = suggestion(name, model.names) or f"there is {', '.join(model.names[:12])} ..."
-        raise SweepError(f"signal {name!r} is not known; {hint}") from None
-
-
-def check_mode(model: CompiledModel, element: str, mode: str) -> None:
-    """Raise SweepError unless a model has a switching element with this mode."""
-    names = model.contact_names
-    if element not in names:
-        hint = suggestion(element, names) or f"it has {', '.join(names) or 'none'}"
-        raise SweepError(
-            f"model {model.equations.name!r} has no switching element {element!r}; {hint}"
-        )
-    modes = model.equations.graph[element].modes
-    if mode not in modes:
-        raise SweepError(
-            f"{element!r} has no mode {mode!r}; it has {', '.join(modes)}", elements=[element]
-        )
-
-
-def _check_after(quantity: Quantity, after: float | None, span: Span) -> None:
-    if after is not None and not span[0] <= after < span[1]:
-        raise SweepError(
-            f"{quantity.label}: {after:g} s is outside the run, {span[0]:g} s to {span[1]:g} s"
-        )
 
 
 def _since(after: float | None) -> str:
