@@ -56,6 +56,7 @@ if TYPE_CHECKING:
         simulate,
     )
     from .steady import SteadyState, steady_state
+    from .sweeps import sweep
     from .symbolic import SymbolicSystem, routh_hurwitz, symbolic_system
 
 _HOME = {
@@ -113,6 +114,7 @@ _HOME = {
     "sensitivities": "simulation",
     "simulate": "simulation",
     "smoothed": "modes",
+    "sweep": "sweeps",
     "steady_state": "steady",
     "symbolic_system": "symbolic",
 }
@@ -167,6 +169,7 @@ __all__ = [
     "smoothed",
     "steady_state",
     "SteadyState",
+    "sweep",
     "Switch",
     "symbolic_system",
     "SymbolicSystem",

@@ -94,6 +94,10 @@ class SimulationError(BondGraphError):
     """A simulation cannot be started as asked."""
 
 
+class SweepError(BondGraphError):
+    """A sweep cannot be started or taken up again as asked."""
+
+
 class SteadyStateError(BondGraphError):
     """No steady state was found."""
 

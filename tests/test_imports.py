@@ -40,7 +40,9 @@ def heavy_after(code):
     return HEAVY & set(json.loads(done.stdout.splitlines()[-1]))
 
 
-@pytest.mark.parametrize("arguments", [["--help"], ["stability", "--help"], ["simulate", "--help"]])
+@pytest.mark.parametrize(
+    "arguments", [["--help"], ["stability", "--help"], ["simulate", "--help"], ["sweep", "--help"]]
+)
 def test_help_loads_nothing_heavy(arguments):
     assert heavy_after(HELP.format(arguments=arguments)) == set()
 

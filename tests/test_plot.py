@@ -145,3 +145,43 @@ def test_any_model_has_a_locus_plot():
 def test_units_are_printed_with_powers():
     assert plot.pretty("kg*m^2/s^3") == "kg·m²/s³"
     assert plot.Signal(np.zeros(2), "ratio").label == "ratio [1]"
+
+
+def test_a_map_of_a_sweep_marks_what_failed():
+    from bondgraph.sweeps import grid, samples, sweep
+
+    masses, stiffs = np.array([-1.0, 0.5, 1.0, 2.0]), np.array([50.0, 75.0, 100.0])
+    points = grid(m=masses, k=stiffs)
+    found = sweep(BELT, points, ("count:contact:stick", "final:v"), t_span=0.5)
+    ax = plot.sweep_map(found)
+    assert (ax.get_xlabel(), ax.get_ylabel()) == ("mass [kg]", "spring stiffness [N/m]")
+    assert [text.get_text() for text in ax.get_legend().get_texts()] == ["refused"]
+    mesh, cells = ax.collections
+    shown = mesh.get_array()
+    assert shown.shape == (3, 4) and shown.mask[:, 0].all() and not shown.mask[:, 1:].any()
+    assert shown[1, 2] == found["count:contact:stick"].sel(m=1.0, k=75.0)
+    hatched = np.array([path.vertices[:4].mean(axis=0) for path in cells.get_paths()])
+    assert (hatched[:, 0] < 0).all() and hatched[:, 1].tolist() == stiffs.tolist()
+    assert cells.get_hatch()
+
+    curve = plot.sweep_map(found.isel(k=1), "final:v")
+    line, crosses = curve.lines
+    assert line.get_xdata().tolist() == masses.tolist() and crosses.get_xdata().tolist() == [-1.0]
+    assert curve.get_ylabel() == "final:v [m/s]"
+
+    drawn = sweep(BELT, samples({"m": masses, "k": [60, 70, 80, 90]}), "final:v", t_span=0.5)
+    cloud = plot.sweep_map(drawn)
+    dots, crosses = cloud.collections[:2]
+    assert len(dots.get_offsets()) == 3 and crosses.get_offsets().tolist() == [[-1.0, 60.0]]
+
+
+def test_a_map_says_what_it_cannot_show():
+    from bondgraph.sweeps import grid, sweep
+
+    found = sweep(BELT, grid(m=[1.0], k=[50.0, 60.0], c=[0.1, 0.2]), "final:v", t_span=0.1)
+    with pytest.raises(BondGraphError, match=r"m, k, c makes no curve and no map; select"):
+        plot.sweep_map(found)
+    with pytest.raises(BondGraphError, match="did you mean final:v"):
+        plot.sweep_map(found, "final:w")
+    one = plot.sweep_map(found.isel(m=0))
+    assert one.get_xlabel() == "spring stiffness [N/m]"

@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Literal
 import click
 
 from . import options as opt
+from .sweep import sweep
 from .symbolic import symbolic
 
 if TYPE_CHECKING:
-    from bondgraph.graph import BondGraph
-    from bondgraph.simulation import Samples, Trajectory
+    from bondgraph.simulation import Trajectory
 
 
 @click.command()
@@ -168,7 +168,7 @@ def simulate(
     from bondgraph.modes import smoothed
     from bondgraph.simulation import simulate as run
 
-    from .load import load_model
+    from .load import load_model, read_inputs
 
     graph = load_model(model)
     if smooth is not None:
@@ -179,7 +179,7 @@ def simulate(
         (0.0, end),
         values,
         initial,
-        _read_inputs(graph, files),
+        read_inputs(graph, files),
         t_eval=grid,
         rtol=tolerance,
         backend=backend,
@@ -190,40 +190,6 @@ def simulate(
     if plot is not None:
         _plot(trajectory, plot)
     return _report_run(trajectory, as_json, [path for path in (out, plot) if path is not None])
-
-
-def _read_inputs(graph: BondGraph, words: tuple[str, ...]) -> dict[str, float | Samples]:
-    from bondgraph.parameters import unknown_name
-    from bondgraph.simulation import Samples
-
-    units = {symbol.name: unit for symbol, unit in graph.inputs.items()}
-    inputs: dict[str, float | Samples] = {}
-    for word in words:
-        name, equals, text = word.partition("=")
-        if not equals or not text:
-            raise click.UsageError(
-                f"--input {word!r}: write NAME=FILE.csv, NAME=FILE.csv:HOLD or NAME=VALUE"
-            )
-        if name not in units:
-            raise unknown_name("input", name, units)
-        path, hold = _path_and_hold(text)
-        if path.endswith(".csv"):
-            inputs[name] = Samples.read(path, name, units[name], hold)
-        else:
-            inputs[name] = opt.read_number(text, f"--input {name}")
-    return inputs
-
-
-def _path_and_hold(text: str) -> tuple[str, str]:
-    """Take a known word after the last colon for the hold; a path may hold colons of its own."""
-    from bondgraph.simulation.samples import HOLDS
-
-    path, colon, hold = text.rpartition(":")
-    if colon and path.endswith(".csv"):
-        if hold not in HOLDS:
-            raise click.UsageError(f"--input {text!r}: after the file comes {', '.join(HOLDS)}")
-        return path, hold
-    return text, "linear"
 
 
 def _plot(trajectory: Trajectory, path: Path) -> None:
@@ -317,4 +283,4 @@ def stability(
         click.echo(f"report: {page}")
 
 
-ALL = (models, show, equations, symbolic, simulate, stability)
+ALL = (models, show, equations, symbolic, simulate, stability, sweep)

@@ -6,10 +6,17 @@ import importlib.util
 import sys
 import traceback
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+import click
 
 from bondgraph.errors import BondGraphError, ModelError, suggestion
 from bondgraph.graph import BondGraph
+
+from .options import read_number
+
+if TYPE_CHECKING:
+    from bondgraph.simulation import Samples
 
 
 def report_parts(word: str, parameters: dict[str, Any]) -> tuple[list[Any], str, list[Any]]:
@@ -76,6 +83,48 @@ def load_model(word: str) -> BondGraph:
     return _from_library(word)
 
 
+def read_inputs(graph: BondGraph, words: tuple[str, ...]) -> dict[str, float | Samples]:
+    """Read NAME=FILE.csv and NAME=VALUE words of ``--input``.
+
+    Parameters
+    ----------
+    graph : BondGraph
+    words : tuple of str
+
+    Returns
+    -------
+    dict of str to float or Samples
+
+    Raises
+    ------
+    click.UsageError, ParameterError
+
+    Examples
+    --------
+    >>> read_inputs(load_model("quarter_car"), ("v_road=0.5",))
+    {'v_road': 0.5}
+    """
+    from bondgraph.parameters import unknown_name
+    from bondgraph.simulation import Samples
+
+    units = {symbol.name: unit for symbol, unit in graph.inputs.items()}
+    inputs: dict[str, float | Samples] = {}
+    for word in words:
+        name, equals, text = word.partition("=")
+        if not equals or not text:
+            raise click.UsageError(
+                f"--input {word!r}: write NAME=FILE.csv, NAME=FILE.csv:HOLD or NAME=VALUE"
+            )
+        if name not in units:
+            raise unknown_name("input", name, units)
+        path, hold = _path_and_hold(text)
+        if path.endswith(".csv"):
+            inputs[name] = Samples.read(path, name, units[name], hold)
+        else:
+            inputs[name] = read_number(text, f"--input {name}")
+    return inputs
+
+
 def _from_library(word: str) -> BondGraph:
     from bondgraph import models
 
@@ -131,3 +180,15 @@ def _line(error: BaseException, path: Path) -> str:
     ]
     number = frames[-1].lineno if frames else getattr(error, "lineno", None)
     return f", line {number}" if number else ""
+
+
+def _path_and_hold(text: str) -> tuple[str, str]:
+    """Take a known word after the last colon for the hold; a path may hold colons of its own."""
+    from bondgraph.simulation.samples import HOLDS
+
+    path, colon, hold = text.rpartition(":")
+    if colon and path.endswith(".csv"):
+        if hold not in HOLDS:
+            raise click.UsageError(f"--input {text!r}: after the file comes {', '.join(HOLDS)}")
+        return path, hold
+    return text, "linear"

@@ -58,6 +58,7 @@ def _describe(error: Exception) -> tuple[str, int]:
             errors.GraphError,
             errors.LawError,
             errors.SimulationError,
+            errors.SweepError,
         )
         return str(error), BAD_INPUT if isinstance(error, bad) else FAILED
     if isinstance(error, OSError):

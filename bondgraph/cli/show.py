@@ -26,7 +26,8 @@ if TYPE_CHECKING:
     from bondgraph.stability import StabilityResult
 
 
-def _console() -> Console:
+def new_console() -> Console:
+    """Return a console for tables; a pipe gets lines of one width."""
     wide = None if sys.stdout.isatty() else 120  # a pipe has no width of its own
     return Console(highlight=False, soft_wrap=True, width=wide)
 
@@ -76,7 +77,7 @@ def as_json_object(causal: CausalGraph) -> dict[str, Any]:
 
 def as_tables(causal: CausalGraph) -> None:
     """Print a graph for reading."""
-    graph, console = causal.graph, _console()
+    graph, console = causal.graph, new_console()
     console.print(
         f"[bold]{graph.name}[/bold]: {len(graph.elements)} elements, {len(graph.bonds)} bonds\n"
     )
@@ -174,7 +175,7 @@ def run_json(trajectory: Trajectory) -> dict[str, Any]:
 
 def run_tables(trajectory: Trajectory) -> None:
     """Print a run for reading."""
-    console = _console()
+    console = new_console()
     console.print(
         f"[bold]{trajectory.model.equations.name}[/bold]: {trajectory.outcome.value} at "
         f"{trajectory.t_end:.9g} s, {trajectory.steps} steps, {len(trajectory.events)} events ({trajectory.backend})\n"
@@ -202,7 +203,7 @@ def run_tables(trajectory: Trajectory) -> None:
 
 def stability_tables(result: StabilityResult) -> None:
     """Print a stability verdict for reading."""
-    console = _console()
+    console = new_console()
     console.print(f"{result.verdict}\n", soft_wrap=False, markup=False)
     table = _table(
         "Eigenvalues", "eigenvalue [1/s]", "frequency [Hz]", "damping ratio", "stable", "decided by"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from types import MappingProxyType
 from typing import Any
 
@@ -136,6 +136,11 @@ class BondGraph:
     def __repr__(self) -> str:
         return f"BondGraph({self.name!r}, {len(self.elements)} elements, {len(self.bonds)} bonds)"
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle the mappings as plain ones: those that cannot be written to do not pickle."""
+        values = (getattr(self, item.name) for item in fields(self))
+        return _restored, tuple(dict(v) if isinstance(v, Mapping) else v for v in values)
+
     def __getitem__(self, name: str) -> Any:
         """Return the element with a qualified name."""
         try:
@@ -221,6 +226,12 @@ class BondGraph:
         return (
             (name, element) for name, element in self.elements.items() if isinstance(element, kind)
         )
+
+
+def _restored(*given: Any) -> BondGraph:
+    """Make a graph again from what was pickled."""
+    values: list[Any] = [MappingProxyType(v) if isinstance(v, dict) else v for v in given]
+    return BondGraph(*values)
 
 
 def signals_of(elements: Mapping[str, Element]) -> tuple[Signal, ...]:

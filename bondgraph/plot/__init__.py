@@ -1,4 +1,4 @@
-"""Plots of trajectories, eigenvalue loci and friction laws, on matplotlib axes.
+"""Plots of trajectories, eigenvalue loci, sweeps and friction laws, on matplotlib axes.
 
 Each function draws on the axes it is given, or on those of a new figure, and
 returns the axes. pyplot is not used, so nothing is kept or shown. The colours
@@ -13,6 +13,7 @@ from .laws import friction_curve
 from .loci import growth_rates, root_locus
 from .motion import application, overview, phase_plane, time_response
 from .style import PALETTE, Signal, new_axes, pretty, save, signal
+from .sweeps import sweep_map
 
 __all__ = [
     "PALETTE",
@@ -27,5 +28,6 @@ __all__ = [
     "root_locus",
     "save",
     "signal",
+    "sweep_map",
     "time_response",
 ]

@@ -318,6 +318,10 @@ def _ends(
             here = InputTable(numpy.zeros(1), u[i][None], numpy.zeros(u.shape[1]))
             energy, _ = measured(model, kept["t_end"][i], kept["x_end"][i, :n], here, starts.p[i])
             stored[i] = math.nan if energy is None else energy - starts.energy0[i]
+    missing = supplied - stored - dissipated
+    scale = numpy.max(numpy.abs([supplied, dissipated, stored, starts.energy0]), axis=0)
+    with numpy.errstate(invalid="ignore"):  # nothing moved, nothing is missing
+        residual = numpy.where(scale == 0, 0.0, missing / scale)
     outcomes: list[Outcome | None] = [None] * size
     for point, code in zip(rows.tolist(), kept["outcomes"].tolist(), strict=True):
         outcomes[point] = OUTCOMES.get(code, Outcome.TIME_BUDGET)
@@ -332,6 +336,7 @@ def _ends(
         supplied=whole(supplied),
         dissipated=whole(dissipated),
         stored=whole(stored),
+        residual=whole(residual),
         steps=whole(kept["steps"][:, 0], 0),
         p=whole(starts.p),
         u=whole(u),

@@ -38,6 +38,8 @@ class Ends:
         How often each contact entered the modes of code 0 (stick), above and below zero.
     supplied, dissipated, stored : (np,) arrays, J
         Energies over the run; stored is the change, NaN where it cannot be told.
+    residual : (np,) array
+        What is missing between them, relative to the largest; NaN like stored.
     steps : (np,) array of int64
     p, u : (np, P) and (np, m) arrays
         Parameters and last inputs, ordered as those of ``model.equations``.
@@ -53,6 +55,7 @@ class Ends:
     supplied: Array
     dissipated: Array
     stored: Array
+    residual: Array
     steps: Array
     p: Array
     u: Array
@@ -97,7 +100,7 @@ def gathered(model: CompiledModel, runs: Sequence[Any]) -> Ends:
     equations, size, k = model.equations, len(runs), len(model.contact_names)
     width = len(equations.states) + (0 if model.switched else len(equations.algebraic))
     names = [symbol.name for symbol in equations.parameters]
-    numbers = {"t_end": 0, "supplied": 0, "dissipated": 0, "stored": 0}
+    numbers = ("t_end", "supplied", "dissipated", "stored", "residual")
     scalars = {name: numpy.full(size, math.nan) for name in numbers}
     x, p = numpy.full((size, width), math.nan), numpy.full((size, len(names)), math.nan)
     u = numpy.full((size, len(equations.inputs)), math.nan)
@@ -107,11 +110,10 @@ def gathered(model: CompiledModel, runs: Sequence[Any]) -> Ends:
     for i, run in enumerate(runs):
         if isinstance(run, str):
             continue
-        stored = run.energy.stored
-        scalars["t_end"][i], scalars["stored"][i] = (
-            run.t_end,
-            math.nan if stored is None else stored,
-        )
+        scalars["t_end"][i] = run.t_end
+        if run.energy.stored is not None:
+            scalars["stored"][i] = run.energy.stored
+            scalars["residual"][i] = run.energy.relative_residual
         scalars["supplied"][i] = run.energy.supplied
         scalars["dissipated"][i] = run.energy.dissipated
         x[i], steps[i] = numpy.append(run.x_end, run.z_end), run.steps
