@@ -106,7 +106,7 @@ def steady_state(
     >>> round(point.outputs["slip"], 9), point.modes
     (0.9, {'friction': 'slip+'})
     """
-    _check_names(graph, guess)
+    check_guess(graph, guess)
     fixed = dict(modes or {})
     current = {**first_modes(graph, parameters, guess, fixed), **fixed}
     tried = set()
@@ -252,7 +252,7 @@ def _at(equations: Equations, expression: sympy.Expr, numbers: Mapping[str, floa
     return float(expanded.evalf(17, subs=given))
 
 
-def _check_names(graph: BondGraph, guess: Mapping[Any, float] | None) -> None:
+def check_guess(graph: BondGraph, guess: Mapping[Any, float] | None) -> None:
     """Refuse a guess for what is a state in no mode, nor an output, nor algebraic."""
     known = [
         *(

@@ -18,8 +18,10 @@ from ...equations import Equations, derive
 from ...graph import BondGraph
 from ...modes import in_mode
 from ...smooth import Smooth
-from ...values import start_expressions
+from ...values import algebraic_guess, algebraic_names, start_expressions
+from .eigen import diagonal_blocks
 from .explicit import explicit_rest
+from .newton import FLOOR, ROUNDING, balancing
 
 Array = numpy.ndarray
 Row = Any  # a number, or an (m,) array
@@ -66,8 +68,17 @@ class ModeNumbers:
     equations : Equations
     smooth : Smooth
         The same at one point, for points that need a longer search.
+    size, order : int
+        Number of states and algebraic variables together, and of states.
     rows, columns : (nnz,) arrays
         Places of the Jacobian's structural nonzeros.
+    blocks : list of list of int
+        See `diagonal_blocks`.
+    algebraic_start : list of float
+        Where algebraic variables are sought from.
+    searched : bool
+        Whether end stops are in contact: their gaps have to be closed before the search, which
+        is done point by point.
     explicit : bool
         Whether the steady state follows without a search.
     """
@@ -81,8 +92,11 @@ class ModeNumbers:
     ) -> None:
         self.modes = modes
         self.equations = equations = derive(in_mode(graph, modes))
+        own = _own(equations, guess)
         self.smooth = Smooth(equations, graph, held=set(names))
         self.size = len(equations.states) + len(equations.algebraic)
+        self.order = len(equations.states)
+        self.algebraic_start = algebraic_guess(equations, own)
         self.searched = any(
             isinstance(self.smooth.element(name), EndStop) and mode == "contact"
             for name, mode in modes.items()
@@ -103,7 +117,8 @@ class ModeNumbers:
             rest = self._on_vector(program)(u, p)
             found = casadi.Function("rest", [u, p], [rest, *at(rest, u, p)])
             self._rest = on_arrays(_shared(found))
-        self._start = on_arrays(self._on_vector(self._start_program(guess)))
+        self.blocks = diagonal_blocks(self.rows, self.columns, self.size)
+        self._start = on_arrays(self._on_vector(start_program(equations, own)))
 
     def _arguments(self) -> tuple[Any, Any, Any]:
         sizes = (self.size, len(self.equations.inputs), len(self.smooth.names))
@@ -117,9 +132,6 @@ class ModeNumbers:
         full = [p[place[name]] if name in place else casadi.SX(numpy.nan) for name in table]
         found = to_casadi(program)(u, casadi.vertcat(*full))
         return casadi.Function(program.name, [u, p], [found])
-
-    def _start_program(self, guess: dict[str, float]) -> Program:
-        return start_program(self.equations, guess)
 
     def start(self, u: Sequence[Row], p: Sequence[Row], m: int) -> Array:
         """Return the states that a search starts from, shape (n, m)."""
@@ -135,6 +147,26 @@ class ModeNumbers:
         rates, slopes, contacts = self._at(x, u, p)
         return Evaluated(x, stacked(rates, x.shape[1]), slopes, contacts)
 
+    def settled(self, found: Evaluated) -> Array:
+        """Whether points are at rest: rates are rounding noise beside the terms they are made of.
+
+        As `balanced` of `newton`, nonzero by nonzero.
+        """
+        m = found.x.shape[1]
+        finite = numpy.isfinite(found.x.sum(axis=0) + sum(found.slopes, numpy.zeros(m)))
+        limits, sizes = numpy.zeros_like(found.rates), numpy.abs(found.x)
+        first = int(numpy.argmax(finite))
+        scale = balancing(self.dense(picked(found.slopes, [first]), 1)[0])
+        steepest = numpy.zeros(m)
+        with numpy.errstate(all="ignore"):
+            for row, column, slope in zip(self.rows, self.columns, found.slopes, strict=True):
+                steep = numpy.abs(slope)
+                limits[row] += steep * sizes[column]
+                steepest = numpy.maximum(steepest, steep * (scale[column] / scale[row]))
+            limits *= ROUNDING
+            limits += FLOOR * steepest * (sizes / scale[:, None]).max(axis=0, initial=0.0) * scale[:, None]
+            return numpy.asarray(finite & (numpy.abs(found.rates) <= limits).all(axis=0))
+
     def by_inputs(self, x: Array, u: Sequence[Row], p: Sequence[Row]) -> Array:
         """Return the Jacobian of the rates by the inputs, shape (m, k, number of inputs)."""
         m, wide = x.shape[1], len(self.equations.inputs)
@@ -147,6 +179,13 @@ class ModeNumbers:
         for row, column, value in zip(self.rows, self.columns, slopes, strict=True):
             matrix[:, row, column] = value
         return matrix
+
+
+def _own(equations: Equations, guess: dict[str, float]) -> dict[str, float]:
+    """Return the guesses that concern a mode's own variables."""
+    known = {symbol.name for symbol in equations.states} | set(equations.outputs)
+    known |= algebraic_names(equations)
+    return {name: value for name, value in guess.items() if name in known}
 
 
 def start_program(equations: Equations, guess: dict[str, float]) -> Program:
@@ -165,6 +204,17 @@ def start_program(equations: Equations, guess: dict[str, float]) -> Program:
     found: list[sympy.Expr] = start_expressions(equations, guess)
     parameters = tuple(equations.graph.parameters)
     return Program.pruned("start", [("u", equations.inputs), ("p", parameters)], [], {"x": found})
+
+
+def picked(rows: Sequence[Row], at: Any) -> list[Row]:
+    """Return the values at some of the points; numbers are the same at all.
+
+    Examples
+    --------
+    >>> picked([1.0, numpy.array([2.0, 3.0])], numpy.array([1]))
+    [1.0, array([3.])]
+    """
+    return [row[at] if numpy.ndim(row) else row for row in rows]
 
 
 def stacked(rows: Sequence[Row], m: int) -> Array:

@@ -13,7 +13,8 @@ from ...codegen.program import Program
 from ...codegen.to_numpy import to_numpy
 from ...equations import Equations
 from ...errors import ParameterError
-from ...parameters import Parameter, Resolver
+from ...parameters import Parameter
+from ...resolver import Resolver
 from ...smooth import in_dependence
 
 Array = numpy.ndarray
@@ -55,10 +56,15 @@ class Table:
     varied : sequence of str
         Parameters that vary.
 
+    Attributes
+    ----------
+    names : tuple of str
+        Parameters that have a value.
+
     Raises
     ------
     ParameterError
-        For what `bondgraph.parameters.Resolver` refuses in the rows that do not vary, and for
+        For what `bondgraph.resolver.Resolver` refuses in the rows that do not vary, and for
         a parameter without a value.
 
     Examples
@@ -101,6 +107,7 @@ class Table:
         )
         self._follow = to_numpy(program)
         _check_complete(equations, known)
+        self.names = tuple(name for name in self._symbols if name in known)
 
     def at(self, points: Mapping[str, Array], size: int) -> tuple[Values, Refusal]:
         """Evaluate the table.
