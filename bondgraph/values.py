@@ -144,9 +144,7 @@ class InitialState:
         return self._outputs[name]
 
 
-def _affine_output(
-    equations: Equations, name: str
-) -> tuple[sympy.Symbol, sympy.Expr, sympy.Expr]:
+def _affine_output(equations: Equations, name: str) -> tuple[sympy.Symbol, sympy.Expr, sympy.Expr]:
     """Return the one state that an output is affine in, the slope and what is added."""
     expression = equations.substituted(equations.outputs[name])
     states = [state for state in equations.states if state in expression.free_symbols]

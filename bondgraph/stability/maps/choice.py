@@ -71,10 +71,9 @@ class FirstModes:
         places = [self.contacts.index(name) for name in self._free]
         codes[places] = numpy.where(slips < 0, CODES[SLIP_BACKWARD], CODES[SLIP_FORWARD])
         resting = (slips == 0).T
-        for pattern in numpy.unique(resting, axis=0):
-            if pattern.any():
-                at = numpy.flatnonzero((resting == pattern).all(axis=1))
-                self._at_rest(codes, pattern, at, p)
+        for pattern in numpy.unique(resting[resting.any(axis=1)], axis=0):
+            at = numpy.flatnonzero((resting == pattern).all(axis=1))
+            self._at_rest(codes, pattern, at, p)
         return codes
 
     def _at_rest(self, codes: Array, pattern: Array, at: Array, p: Sequence[Any]) -> None:
@@ -156,4 +155,3 @@ def better_codes(
         for at in numpy.flatnonzero(~agrees):
             wanted[index, at] = element.next_code(code, float(effort[at]), float(flow[at]))
     return wanted
-

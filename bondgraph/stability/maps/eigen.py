@@ -8,6 +8,7 @@ from typing import Any
 import numpy
 
 from ...blocks.components import components
+from .small import eigvals
 
 Array = numpy.ndarray
 
@@ -39,7 +40,12 @@ def diagonal_blocks(rows: Array, columns: Array, size: int) -> list[list[int]]:
 
 
 def eigenvalues(
-    entries: Sequence[Any], rows: Array, columns: Array, blocks: Sequence[Sequence[int]], m: int
+    entries: Sequence[Any],
+    rows: Array,
+    columns: Array,
+    blocks: Sequence[Sequence[int]],
+    m: int,
+    compiled: bool = False,
 ) -> Array:
     """Return the eigenvalues of matrices given by the nonzeros of their pattern.
 
@@ -51,6 +57,8 @@ def eigenvalues(
     blocks : sequence of sequence of int
         From `diagonal_blocks`.
     m : int
+    compiled : bool
+        See `eigvals`.
 
     Returns
     -------
@@ -71,7 +79,7 @@ def eigenvalues(
         for row, column, value in zip(rows.tolist(), columns.tolist(), entries, strict=True):
             if row in place and column in place:
                 matrix[:, place[row], place[column]] = value
-        own = matrix[:, :, 0] if len(block) == 1 else numpy.linalg.eigvals(matrix)
+        own = matrix[:, :, 0] if len(block) == 1 else eigvals(matrix, compiled)
         found[:, first : first + len(block)] = own
         first += len(block)
     return falling(found)

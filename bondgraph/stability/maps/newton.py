@@ -61,14 +61,18 @@ def newton(functions: Functions, start: Array) -> tuple[Array, Array, Array]:
             if not active.size:
                 break
             here = x[:, active]
-            step, full = _steps(matrix * (scale[None, None, :] / scale[None, :, None]), residual, scale)
+            step, full = _steps(
+                matrix * (scale[None, None, :] / scale[None, :, None]), residual, scale
+            )
             isolated[active] = full
             still = balanced(here, residual, matrix, scale)
             small = _small(here, step, scale)
             done = still & small & full
             x[:, active[done]] += step[:, done]  # near the root a step doubles the digits
             found[active[done]] = True
-            size, residual, matrix = _damped(functions, (here, active), step, (residual, matrix), done)
+            size, residual, matrix = _damped(
+                functions, (here, active), step, (residual, matrix), done
+            )
             stuck = ~done & (size == 0)
             found[active[stuck & still & full]] = True
             x[:, active] = numpy.where(done | stuck, x[:, active], here + size * step)

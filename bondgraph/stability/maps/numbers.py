@@ -164,7 +164,12 @@ class ModeNumbers:
                 limits[row] += steep * sizes[column]
                 steepest = numpy.maximum(steepest, steep * (scale[column] / scale[row]))
             limits *= ROUNDING
-            limits += FLOOR * steepest * (sizes / scale[:, None]).max(axis=0, initial=0.0) * scale[:, None]
+            limits += (
+                FLOOR
+                * steepest
+                * (sizes / scale[:, None]).max(axis=0, initial=0.0)
+                * scale[:, None]
+            )
             return numpy.asarray(finite & (numpy.abs(found.rates) <= limits).all(axis=0))
 
     def by_inputs(self, x: Array, u: Sequence[Row], p: Sequence[Row]) -> Array:

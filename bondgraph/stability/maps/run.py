@@ -12,6 +12,7 @@ from ...errors import ParameterError
 from ...graph import BondGraph
 from ...parameters import unknown_name
 from ...units import to_si
+from .small import WORTHWHILE
 from .solver import Chunk, MapSolver
 from .value import EigenvalueMap, PointOutcome
 
@@ -91,7 +92,9 @@ def eigenvalue_map(
     given = {name: _axis(name, value, units[name]) for name, value in axes.items()}
     size = _size(given, product)
     chunk = max(1, int(chunk))
-    solver = MapSolver(graph, tuple(given), (parameters, inputs, modes, guess), searches)
+    solver = MapSolver(
+        graph, tuple(given), (parameters, inputs, modes, guess), searches, size >= WORTHWHILE
+    )
     spans = [slice(first, min(first + chunk, size)) for first in range(0, size, chunk)]
 
     def solved(span: slice) -> Chunk:
@@ -103,9 +106,7 @@ def eigenvalue_map(
     else:
         found = _joined(solver, size, spans, map(solved, spans))
     values = _taken(given, product, slice(0, size))
-    return EigenvalueMap(
-        graph.name, values, units, given if product else {}, *found
-    )
+    return EigenvalueMap(graph.name, values, units, given if product else {}, *found)
 
 
 def _joined(

@@ -20,6 +20,7 @@ from .eigen import eigenvalues, falling
 from .newton import newton
 from .numbers import Evaluated, ModeNumbers, picked
 from .reduction import state_matrices, with_algebraic
+from .small import eigvals
 from .table import Table
 from .value import PointOutcome
 
@@ -61,6 +62,8 @@ class MapSolver:
     given : (parameters, inputs, modes, guess)
     searches : int
         Most points that may be searched one by one.
+    compiled : bool
+        Whether eigenvalues are worth being worked out by compiled code.
 
     Attributes
     ----------
@@ -70,7 +73,12 @@ class MapSolver:
     """
 
     def __init__(
-        self, graph: BondGraph, names: tuple[str, ...], given: Given, searches: int
+        self,
+        graph: BondGraph,
+        names: tuple[str, ...],
+        given: Given,
+        searches: int,
+        compiled: bool = False,
     ) -> None:
         parameters, inputs, modes, guess = given
         self.graph = graph
@@ -93,7 +101,7 @@ class MapSolver:
         self._first = FirstModes(graph, self._fixed, self._names, self._guess)
         self._modes: dict[tuple[int, ...], ModeNumbers | BondGraphError] = {}
         self._lock = threading.RLock()
-        self._searches = searches
+        self._searches, self._compiled = searches, compiled
         self._states = _all_states(base)
 
     @property
@@ -165,8 +173,7 @@ class MapSolver:
     ) -> Array:
         """Solve all points in the modes they are in; return those that want others."""
         left: list[Array] = []
-        for column in numpy.unique(chunk.codes[:, waiting], axis=1).T:
-            at = waiting[(chunk.codes[:, waiting] == column[:, None]).all(axis=0)]
+        for column, at in _groups(chunk.codes[:, waiting], waiting):
             key = tuple(int(code) for code in column)
             before = tried.setdefault(key, numpy.zeros(len(chunk.outcomes), dtype=bool))
             chunk.fail(at[before[at]], PointOutcome.NO_STEADY_STATE, self._no_modes())
@@ -264,14 +271,13 @@ class MapSolver:
             if self._searches < 0:
                 chunk.fail(where, PointOutcome.NOT_TRIED, "give a larger `searches`")
                 return none
-        own_u, own_p = (
-            [float(v) for v in picked(row, numpy.array([place]))] for row in _wide((u, p), len(at))
-        )
+        own_u, own_p = ([float(v[place]) for v in row] for row in _wide((u, p), len(at)))
         states = numbers.start(own_u, own_p, 1)[:, 0]
         try:
-            x, isolated = find_rest(
-                numbers.smooth, numbers.modes, (states, numbers.algebraic_start), own_u, own_p
-            )
+            with numpy.errstate(all="ignore"):  # trial values may overflow; they are turned down
+                x, isolated = find_rest(
+                    numbers.smooth, numbers.modes, (states, numbers.algebraic_start), own_u, own_p
+                )
         except SteadyStateError as error:
             chunk.fail(where, PointOutcome.NO_STEADY_STATE, str(error))
             return none
@@ -301,7 +307,12 @@ class MapSolver:
             given = picked(given[0], finite), picked(given[1], finite)
         if not numbers.equations.algebraic:
             poles = eigenvalues(
-                found.slopes, numbers.rows, numbers.columns, numbers.blocks, len(at)
+                found.slopes,
+                numbers.rows,
+                numbers.columns,
+                numbers.blocks,
+                len(at),
+                self._compiled,
             )
         else:
             matrices, determined = state_matrices(numbers, found, *given)
@@ -312,8 +323,18 @@ class MapSolver:
                 f"the algebraic variables ({names}) are not determined by their equations",
             )
             at = at[determined]
-            poles = falling(numpy.linalg.eigvals(matrices[determined]).astype(complex))
+            poles = falling(eigvals(matrices[determined], self._compiled))
         chunk.eigenvalues[at, : len(states)] = poles
+
+
+def _groups(codes: Array, points: Array) -> list[tuple[Array, Array]]:
+    """Return the columns that differ, each with the points that have it."""
+    if (codes == codes[:, :1]).all():
+        return [(codes[:, 0], points)]
+    return [
+        (column, points[(codes == column[:, None]).all(axis=0)])
+        for column in numpy.unique(codes, axis=1).T
+    ]
 
 
 def _all_states(base: Equations) -> tuple[str, ...]:
@@ -353,4 +374,3 @@ def _chosen(found: Evaluated, at: Array) -> Evaluated:
 
 def _wide(rows: tuple[list[Any], list[Any]], m: int) -> list[list[Array]]:
     return [[numpy.broadcast_to(value, (m,)) for value in row] for row in rows]
-

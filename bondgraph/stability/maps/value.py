@@ -179,9 +179,7 @@ class EigenvalueMap:
         try:
             import xarray
         except ImportError:
-            raise BondGraphError(
-                "xarray is not installed; pip install 'halfarrow[data]'"
-            ) from None
+            raise BondGraphError("xarray is not installed; pip install 'halfarrow[data]'") from None
         dims = tuple(self.axes) or ("point",)
         order, state = "eigenvalue", "state"
         columns = {
@@ -198,18 +196,12 @@ class EigenvalueMap:
         for name, codes in self.modes.items():
             told = ", ".join(f"{code} {label}" for code, label in self.labels[name].items())
             columns[f"{name}.mode"] = (dims, self.on_grid(codes), {"meaning": told})
-        along = self.axes or {name: values for name, values in self.points.items()}
+        along = self.axes or self.points
         coords = {
-            name: (name if self.axes else "point", values, {"units": self.units[name]})
-            for name, values in _in_units(along).items()
+            name: (name if self.axes else "point", values, {"values": "SI"})
+            for name, values in along.items()
         }
-        return xarray.Dataset(
-            columns, {**coords, state: list(self.states)}, {"model": self.model, "values": "SI"}
-        )
-
-
-def _in_units(along: Mapping[str, Array]) -> dict[str, Array]:
-    return dict(along)
+        return xarray.Dataset(columns, {**coords, state: list(self.states)}, {"model": self.model})
 
 
 def _meaning() -> str:
