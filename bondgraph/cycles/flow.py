@@ -1,0 +1,115 @@
+"""Where a run ends, and how that changes with where it begins."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy
+
+from ..errors import SimulationError
+from ..simulation import CompiledModel, Trajectory, simulate
+from ..simulation.inputs import at
+
+Array = numpy.ndarray
+
+# Of a state's size. Central differences err by its square and by the runs' error over it; where
+# disturbances grow, both count more and the step has to be smaller.
+STEP = 1e-5
+GROWN = 10.0
+
+
+@dataclass(frozen=True, eq=False)
+class Setting:
+    """What the runs of a search share.
+
+    Attributes
+    ----------
+    model : CompiledModel
+    parameters, inputs, initial : mapping
+        As for `bondgraph.simulate`; `initial` holds guesses of algebraic variables.
+    start : float
+        Time at which each run begins, s.
+    rtol : float
+    scale : (n,) array
+        Sizes of the states.
+    """
+
+    model: CompiledModel
+    parameters: Any
+    inputs: Any
+    initial: Any
+    start: float
+    rtol: float
+    scale: Array
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the states."""
+        return tuple(state.name for state in self.model.equations.states)
+
+    def run(self, x: Array, duration: float, t_eval: Any = None) -> Trajectory:
+        """Simulate from states for a time; raise where that stops early."""
+        initial = {**self.initial, **dict(zip(self.names, map(float, x), strict=True))}
+        span = (self.start, self.start + duration)
+        run = simulate(self.model, span, self.parameters, initial, self.inputs, t_eval, self.rtol)
+        if not run.outcome.ok:
+            raise SimulationError(
+                f"model {self.model.equations.name!r}: a run of the search stopped at "
+                f"{run.t_end:g} s: {run.outcome.advice}"
+            )
+        return run
+
+
+def end_by_start(setting: Setting, x: Array, duration: float) -> Array:
+    """Return the Jacobian of the states at a run's end by those at its start.
+
+    Parameters
+    ----------
+    setting : Setting
+    x : (n,) array
+    duration : float
+        s.
+
+    Returns
+    -------
+    (n, n) array
+        Through the events of the run, which move.
+    """
+    found = _differences(setting, x, duration, STEP)
+    grown = float(numpy.abs(found * setting.scale / setting.scale[:, None]).max(initial=0.0))
+    return found if grown < GROWN else _differences(setting, x, duration, STEP / grown**0.5)
+
+
+def _differences(setting: Setting, x: Array, duration: float, share: float) -> Array:
+    """Difference runs from starts to both sides."""
+    columns = []
+    for place, size in enumerate(setting.scale):
+        ends = []
+        for sign in (1, -1):
+            moved = x.copy()
+            moved[place] += sign * share * size
+            ends.append(setting.run(moved, duration, [setting.start + duration]).x_end)
+        columns.append((ends[0] - ends[1]) / (2 * share * size))
+    return numpy.array(columns).reshape(len(x), len(x)).T
+
+
+def rates(run: Trajectory, place: int) -> Array:
+    """Return the rates of the states at a row of a run, in the row's mode.
+
+    Parameters
+    ----------
+    run : Trajectory
+    place : int
+
+    Returns
+    -------
+    (n,) array
+    """
+    modes, codes = run.model.mode_set, run.codes[place]
+    mask = sum(1 << int(bit) for bit in numpy.flatnonzero(codes == 0))
+    function = modes.signals(mask, modes.equations(mask).derivatives)
+    t = run.t[place : place + 1] if place >= 0 else run.t[place:][:1]
+    p = [run.parameters[symbol.name] for symbol in run.model.equations.parameters]
+    columns = (t, run.x[:, place], at(run.inputs, t)[:, 0], p, codes)
+    return function(*(numpy.array(item, dtype=float)[:, None] for item in columns))[:, 0]
