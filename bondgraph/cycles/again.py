@@ -7,6 +7,7 @@ from typing import Any
 import numpy
 
 from ..simulation import Samples, Trajectory, simulate
+from ..simulation.inputs import HOLDS, at
 from ..simulation.problem import InputTable
 
 Array = numpy.ndarray
@@ -77,18 +78,19 @@ def inputs_of(run: Trajectory) -> dict[str, Any]:
     """
     equations, given = run.model.equations, run.inputs
     names = [symbol.name for symbol in equations.graph.inputs]
+    order = [symbol.name for symbol in equations.inputs]
     if not isinstance(given, InputTable):
         return {name: _part(given, place) for place, name in enumerate(names)}
-    order = [symbol.name for symbol in equations.inputs]
-    return {
-        name: Samples(
-            given.knots,
-            given.values[:, order.index(name)],
-            "linear" if given.hold[order.index(name)] else "zero",
-        )
-        for name in names
-        if name in order
-    }
+    return {name: _column(given, order.index(name)) for name in names if name in order}
+
+
+def _column(table: InputTable, place: int) -> Any:
+    """Return one input of a table: samples, or a function where its pieces are cubics."""
+    hold = int(table.hold[place])
+    if hold not in HOLDS.values():
+        return lambda time: float(at(table, numpy.array([time]))[place, 0])
+    label = next(name for name, code in HOLDS.items() if code == hold)
+    return Samples(table.knots, table.values[:, place], label)
 
 
 def _part(function: Any, place: int) -> Any:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -195,7 +196,7 @@ def _piece(
     """Return nodes, levels and run of the piece between events in which the signal crosses."""
     ends = [span[0], *numpy.unique(cuts), span[1]]
     x, z = short.x[:, 0], short.z[:, 0] if len(short.z) else None
-    for low, high in zip(ends[:-1], ends[1:], strict=True):
+    for low, high in itertools.pairwise(ends):
         if high - low <= 1e-12 * (span[1] - span[0]):
             continue
         nodes = _chebyshev(low, high)

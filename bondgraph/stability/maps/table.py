@@ -141,17 +141,17 @@ class Table:
 
 def _refused(symbol: sympy.Symbol, values: Array) -> tuple[Array, str]:
     """Return where values are not what their symbol assumes, and the first such place in words."""
-    finite = numpy.isfinite(values)
-    bad, words = ~finite, "a finite number"
-    for assumption, rule, name in _RULES:
-        if getattr(symbol, assumption) and (assumption != "is_nonzero" or symbol.is_real):
-            broken = finite & ~rule(values)
-            words = name if broken.any() and not bad.any() else words
-            bad = bad | broken
+    rules = [(numpy.isfinite, "a finite number")]
+    rules += [
+        (rule, words)
+        for assumption, rule, words in _RULES
+        if getattr(symbol, assumption) and (assumption != "is_nonzero" or symbol.is_real)
+    ]
+    bad = ~numpy.logical_and.reduce([rule(values) for rule, _ in rules])
     if not bad.any():
         return bad, ""
     first = values[int(numpy.argmax(bad))]
-    words = words if numpy.isfinite(first) else "a finite number"
+    words = next(words for rule, words in rules if not rule(first))
     return bad, f"parameter {symbol.name!r} is {first:g}; it must be {words}"
 
 
