@@ -71,7 +71,7 @@ def taken(
     SimulationError
         Without model or period.
     """
-    period, forced, start = timing
+    period, _, start = timing
     if period is not None and not (numpy.isfinite(period) and period > 0):
         raise SimulationError(f"period is {period!r}; give a positive number of seconds")
     if isinstance(guess, Trajectory):

@@ -248,12 +248,12 @@ def _held(run: Trajectory, name: str, times: Array) -> float:
     total, since = 0.0, first
     for event in own:
         if event.t <= first:
-            code = graph[name].code(event.to_mode)  # type: ignore[attr-defined]
+            code = graph[name].code(event.to_mode)
             continue
         if event.t > last:
             break
         total += (event.t - since) * (code == 0)
-        code, since = graph[name].code(event.to_mode), event.t  # type: ignore[attr-defined]
+        code, since = graph[name].code(event.to_mode), event.t
     return (total + (last - since) * (code == 0)) / (last - first)
 
 

@@ -43,15 +43,12 @@ class FirstModes:
     ) -> None:
         self.contacts = contacts(graph)
         self._graph, self._names, self._guess = graph, tuple(names), guess
-        self._start: dict[str, int] = {
-            name: graph[name].code(mode)  # type: ignore[attr-defined]
-            for name, mode in fixed.items()
-        }
+        self._start: dict[str, int] = {name: graph[name].code(mode) for name, mode in fixed.items()}
         self._free = [name for name in self.contacts if name not in fixed]
         self._equations = derive(graph) if self._free else None
         if self._equations is not None and self._equations.switches:
             found = first_possible(graph, fixed)
-            self._start |= {n: graph[n].code(mode) for n, mode in found.items()}  # type: ignore[attr-defined]
+            self._start |= {n: graph[n].code(mode) for n, mode in found.items()}
             self._free = []
         if self._free:
             assert self._equations is not None

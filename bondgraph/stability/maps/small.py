@@ -63,4 +63,4 @@ def _function() -> Callable[[int, int, int, int, int], int] | None:
         return None
     function.argtypes = [ctypes.c_long, ctypes.c_long, *[ctypes.c_void_p] * 3]
     function.restype = ctypes.c_long
-    return function  # type: ignore[no-any-return]
+    return function

@@ -85,7 +85,7 @@ class MapSolver:
         self.contacts = contacts(graph)
         self._elements = tuple((name, graph[name]) for name in self.contacts)
         self.labels = {
-            name: {code: label for label, code in element.modes.items()}  # type: ignore[attr-defined]
+            name: {code: label for label, code in element.modes.items()}
             for name, element in self._elements
         }
         check_guess(graph, guess)
@@ -137,7 +137,7 @@ class MapSolver:
         codes = self._first.at(p, m)
         for place, name in enumerate(self.contacts):
             if name in self._fixed:
-                codes[place] = self.graph[name].code(self._fixed[name])  # type: ignore[attr-defined]
+                codes[place] = self.graph[name].code(self._fixed[name])
         chunk.codes[:] = codes
         waiting = numpy.flatnonzero(~refusal.at)
         tried: dict[tuple[int, ...], Array] = {}
@@ -191,7 +191,7 @@ class MapSolver:
         with self._lock:
             if key not in self._modes:
                 modes = {
-                    name: element.label(code)  # type: ignore[attr-defined]
+                    name: element.label(code)
                     for (name, element), code in zip(self._elements, key, strict=True)
                 }
                 try:
@@ -250,7 +250,7 @@ class MapSolver:
             x[:, rest], good[rest], isolated[rest] = _searched(
                 numbers, picked(u, rest), picked(p, rest), len(rest)
             )
-        for place in numpy.flatnonzero(~good):
+        for place in numpy.flatnonzero(~good).tolist():
             x[:, place], good[place], isolated[place] = self._alone(chunk, at, place, numbers, u, p)
         return numbers.at(x, u, p), good, isolated
 

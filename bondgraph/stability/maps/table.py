@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -141,7 +141,7 @@ class Table:
 
 def _refused(symbol: sympy.Symbol, values: Array) -> tuple[Array, str]:
     """Return where values are not what their symbol assumes, and the first such place in words."""
-    rules = [(numpy.isfinite, "a finite number")]
+    rules: list[tuple[Callable[[Any], Any], str]] = [(numpy.isfinite, "a finite number")]
     rules += [
         (rule, words)
         for assumption, rule, words in _RULES
