@@ -65,7 +65,6 @@ if TYPE_CHECKING:
         sensitivities,
         simulate,
     )
-    from .simulation import CompiledModel, Outcome, Samples, Trajectory, simulate
     from .stability import EigenvalueMap, eigenvalue_map
     from .steady import SteadyState, steady_state
     from .symbolic import SymbolicSystem, routh_hurwitz, symbolic_system
@@ -107,8 +106,8 @@ _HOME = {
     "RS": "elements",
     "Samples": "simulation",
     "Se": "elements",
-    "Sensitivities": "simulation",
     "Section": "cycles",
+    "Sensitivities": "simulation",
     "Sf": "elements",
     "Spectrum": "cycles",
     "SteadyState": "steady",
@@ -189,9 +188,9 @@ __all__ = [
     "Samples",
     "save",
     "Se",
+    "Section",
     "Sensitivities",
     "sensitivities",
-    "Section",
     "Sf",
     "simulate",
     "smoothed",

@@ -9,9 +9,9 @@ import numpy
 Array = numpy.ndarray
 
 # Below this size a multiplier counts as zero: the disturbance is gone after one period.
-NONE_LEFT = 1e-6
-# So near to one in size, differences do not tell which side it is on.
-NEUTRAL = 1e-5
+NONE_LEFT = 1e-9
+# So near to one in size, runs of finite tolerance do not tell which side it is on.
+NEUTRAL = 1e-6
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,15 +8,10 @@ from typing import Any
 import numpy
 
 from ..errors import SimulationError
-from ..simulation import CompiledModel, Trajectory, simulate
+from ..simulation import CompiledModel, Trajectory, sensitivities, simulate
 from ..simulation.inputs import at
 
 Array = numpy.ndarray
-
-# Of a state's size. Central differences err by its square and by the runs' error over it; where
-# disturbances grow, both count more and the step has to be smaller.
-STEP = 1e-5
-GROWN = 10.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,11 +43,14 @@ class Setting:
         """Names of the states."""
         return tuple(state.name for state in self.model.equations.states)
 
-    def run(self, x: Array, duration: float, t_eval: Any = None) -> Trajectory:
+    def at(self, x: Array) -> dict[str, float]:
+        """Return states by name, with the guesses of algebraic variables."""
+        return {**self.initial, **dict(zip(self.names, map(float, x), strict=True))}
+
+    def run(self, x: Array, duration: float) -> Trajectory:
         """Simulate from states for a time; raise where that stops early."""
-        initial = {**self.initial, **dict(zip(self.names, map(float, x), strict=True))}
         span = (self.start, self.start + duration)
-        run = simulate(self.model, span, self.parameters, initial, self.inputs, t_eval, self.rtol)
+        run = simulate(self.model, span, self.parameters, self.at(x), self.inputs, None, self.rtol)
         if not run.outcome.ok:
             raise SimulationError(
                 f"model {self.model.equations.name!r}: a run of the search stopped at "
@@ -75,23 +73,24 @@ def end_by_start(setting: Setting, x: Array, duration: float) -> Array:
     -------
     (n, n) array
         Through the events of the run, which move.
+
+    Raises
+    ------
+    BondGraphError
+        Where there is none, as at an event that is only grazed.
     """
-    found = _differences(setting, x, duration, STEP)
-    grown = float(numpy.abs(found * setting.scale / setting.scale[:, None]).max(initial=0.0))
-    return found if grown < GROWN else _differences(setting, x, duration, STEP / grown**0.5)
-
-
-def _differences(setting: Setting, x: Array, duration: float, share: float) -> Array:
-    """Difference runs from starts to both sides."""
-    columns = []
-    for place, size in enumerate(setting.scale):
-        ends = []
-        for sign in (1, -1):
-            moved = x.copy()
-            moved[place] += sign * share * size
-            ends.append(setting.run(moved, duration, [setting.start + duration]).x_end)
-        columns.append((ends[0] - ends[1]) / (2 * share * size))
-    return numpy.array(columns).reshape(len(x), len(x)).T
+    end = setting.start + duration
+    found = sensitivities(
+        setting.model,
+        (setting.start, end),
+        setting.names,
+        setting.parameters,
+        setting.at(x),
+        setting.inputs,
+        [end],
+        setting.rtol,
+    )
+    return found.x_end
 
 
 def rates(run: Trajectory, place: int) -> Array:

@@ -15,6 +15,8 @@ from .again import again
 Array = numpy.ndarray
 
 NODES = 12
+# Rows nearer to each other than this share of their time are one instant: no run fits between.
+LEAST = 1e-12
 
 
 @dataclass(frozen=True, eq=False)
@@ -168,7 +170,7 @@ def _located(
 ) -> tuple[float, Array]:
     """Return time and state of the crossing between two rows."""
     first, last = float(run.t[place]), float(run.t[place + 1])
-    if last <= first:  # both sides of an event: a signal that jumps over the value
+    if _one_instant(first, last):  # both sides of an event
         return last, run.x[:, place + 1].copy()
     z = run.z[:, place] if len(run.z) else None
     nodes = _chebyshev(first, last)
@@ -194,10 +196,10 @@ def _piece(
     rtol: float,
 ) -> tuple[Array, Array, Trajectory]:
     """Return nodes, levels and run of the piece between events in which the signal crosses."""
-    ends = [span[0], *numpy.unique(cuts), span[1]]
+    ends = [span[0], *numpy.unique(cuts).tolist(), span[1]]
     x, z = short.x[:, 0], short.z[:, 0] if len(short.z) else None
     for low, high in itertools.pairwise(ends):
-        if high - low <= 1e-12 * (span[1] - span[0]):
+        if _one_instant(low, high):
             continue
         nodes = _chebyshev(low, high)
         short = again(run, (low, high), x, z, nodes, rtol)
@@ -206,6 +208,10 @@ def _piece(
             break
         x, z = short.x_end, short.z_end if len(short.z) else None
     return nodes, levels, short
+
+
+def _one_instant(low: float, high: float) -> bool:
+    return high - low <= LEAST * max(abs(low), abs(high))
 
 
 def _chebyshev(low: float, high: float) -> Array:

@@ -17,7 +17,7 @@ from .guess import Guess, sizes, taken
 
 Array = numpy.ndarray
 
-LARGEST_TRIVIAL_ERROR = 1e-3
+LARGEST_TRIVIAL_ERROR = 1e-5
 LEAST_SHARE = 1e-3
 # Beside the states' own sizes: an orbit that moves less is a steady state.
 STILL = 1e-6
@@ -166,7 +166,7 @@ def periodic_orbit(
     along = None if forced else rates(run, 0)
     floquet = Floquet.of(monodromy, not forced, along)
     largest = float(numpy.abs(floquet.multipliers).max(initial=1.0))
-    if floquet.trivial_error > LARGEST_TRIVIAL_ERROR * max(1.0, largest / 10):
+    if floquet.trivial_error > LARGEST_TRIVIAL_ERROR * max(1.0, largest):
         raise SimulationError(
             f"model {run.model.equations.name!r}: the multiplier along the orbit is off one by "
             f"{floquet.trivial_error:.2g}; the orbit grazes an event, or the runs are too coarse: give a "

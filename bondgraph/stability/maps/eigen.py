@@ -68,7 +68,8 @@ def eigenvalues(
     Examples
     --------
     >>> at = numpy.array([0, 1]), numpy.array([1, 0])
-    >>> eigenvalues([-4.0, numpy.array([1.0, -1.0])], *at, [[0, 1]], 2).tolist()
+    >>> found = eigenvalues([-4.0, numpy.array([1.0, -1.0])], *at, [[0, 1]], 2)
+    >>> found.round(12).tolist()
     [[2j, -2j], [(2+0j), (-2+0j)]]
     """
     found = numpy.zeros((m, sum(map(len, blocks))), dtype=complex)

@@ -35,7 +35,7 @@ def eigvals(matrices: Array, compiled: bool = False) -> Array:
 
     Examples
     --------
-    >>> eigvals(numpy.array([[[0.0, 1.0], [-4.0, 0.0]]])).tolist()
+    >>> eigvals(numpy.array([[[0.0, 1.0], [-4.0, 0.0]]])).round(12).tolist()
     [[2j, -2j]]
     """
     m, n, _ = matrices.shape
