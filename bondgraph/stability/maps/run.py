@@ -49,7 +49,7 @@ def eigenvalue_map(
         Parameter or input, by name or symbol, to an array in SI or to ``(array, unit)``. Arrays
         of one length are points; with `product`, each is an axis of its own.
     parameters : mapping, optional
-        What is the same at all points.
+        What is the same at all points; of what varies it is not looked at.
     inputs : mapping, optional
         Constant inputs, zero unless given.
     modes : mapping of str to str, optional

@@ -52,7 +52,8 @@ class Table:
     ----------
     equations : Equations
     overrides : mapping
-        Parameters that are the same at all points, by name or symbol.
+        Parameters that are the same at all points, by name or symbol; not looked at where
+        they vary.
     varied : sequence of str
         Parameters that vary.
 
@@ -86,7 +87,12 @@ class Table:
             symbol: Parameter(None, row.unit) if symbol.name in varied else row
             for symbol, row in rows.items()
         }
-        self._fixed = Resolver(open_rows)(overrides, partial=True)
+        same = {
+            key: value
+            for key, value in overrides.items()
+            if str(getattr(key, "name", key)) not in varied
+        }
+        self._fixed = Resolver(open_rows)(same, partial=True)
         self._varied = tuple(varied)
         known = {*self._fixed, *varied}
         following = []

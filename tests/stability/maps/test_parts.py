@@ -40,6 +40,12 @@ class TestTable:
         assert values["m_f"] == 0.2
         assert values["b_f"] == pytest.approx(0.1 * numpy.sqrt(numpy.array([1e5, 2e5]) * 0.2))
 
+    def test_what_varies_goes_before_what_is_given(self):
+        equations = derive(models.bicycle_brake.graph())
+        table = Table(equations, {"V0": 3.0, "r_r": 0.1}, ["V0"])
+        values, _ = table.at({"V0": numpy.array([1.0, 2.0])}, 2)
+        assert values["omega_t"].tolist() == [10.0, 20.0]
+
     def test_a_derived_value_that_is_not_admissible_is_refused(self):
         rows = {a: Parameter(sympy.sqrt(b - 1)), b: Parameter(2.0)}
         _, refusal = Table(tabled(rows), {}, ["b"]).at({"b": numpy.array([2.0, 0.5, 1.0])}, 3)
