@@ -7,8 +7,9 @@ from typing import Any
 import numpy
 
 from ..simulation import Samples, Trajectory, simulate
-from ..simulation.inputs import HOLDS, at
+from ..simulation.inputs import at
 from ..simulation.problem import InputTable
+from ..simulation.samples import HOLDS
 
 Array = numpy.ndarray
 
