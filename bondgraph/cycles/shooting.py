@@ -78,12 +78,16 @@ class PeriodicOrbit:
     def notes(self) -> tuple[str, ...]:
         """What a careful reader should know."""
         said = []
-        zeros = self.floquet.zeros
-        held = {e.element for e in self.run.events if e.to_mode == "stick"}
+        zeros, graph = self.floquet.zeros, self.run.model.equations.graph
+        held = {
+            event.element
+            for event in self.run.events
+            if graph[event.element].code(event.to_mode) == 0
+        }
         if zeros and held:
             said.append(
-                f"{zeros} of {len(self.multipliers)} multipliers are zero: while "
-                f"{', '.join(sorted(held))} sticks, what was different before is forgotten"
+                f"{zeros} of {len(self.multipliers)} multipliers {'is' if zeros == 1 else 'are'} zero: "
+                f"while {', '.join(sorted(held))} holds its flow, what was different before is forgotten"
             )
         if self.verdict == "undecided":
             said.append("a multiplier is as good as one in size: the linear part does not decide")

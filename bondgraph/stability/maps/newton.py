@@ -55,7 +55,7 @@ def newton(functions: Functions, start: Array) -> tuple[Array, Array, Array]:
     with numpy.errstate(all="ignore"):
         residual, matrix = functions(x, active)
         scale = _scale(matrix)
-        for _ in range(MAX_ITERATIONS):
+        for iteration in range(MAX_ITERATIONS):
             usable = numpy.isfinite(matrix).all(axis=(1, 2)) & numpy.isfinite(residual).all(axis=0)
             active, residual, matrix = active[usable], residual[:, usable], matrix[usable]
             if not active.size:
@@ -67,8 +67,11 @@ def newton(functions: Functions, start: Array) -> tuple[Array, Array, Array]:
             isolated[active] = full
             still = balanced(here, residual, matrix, scale)
             small = _small(here, step, scale)
-            done = still & small & full
-            x[:, active[done]] += step[:, done]  # near the root a step doubles the digits
+            # where the Jacobian is singular, how far to go in the open direction is a matter of the
+            # point's own scale: only what is at rest from the start is taken
+            done = still & ((small & full) | (~full & (iteration == 0)))
+            sharp = done & full
+            x[:, active[sharp]] += step[:, sharp]  # near the root a step doubles the digits
             found[active[done]] = True
             size, residual, matrix = _damped(
                 functions, (here, active), step, (residual, matrix), done
@@ -76,7 +79,7 @@ def newton(functions: Functions, start: Array) -> tuple[Array, Array, Array]:
             stuck = ~done & (size == 0)
             found[active[stuck & still & full]] = True
             x[:, active] = numpy.where(done | stuck, x[:, active], here + size * step)
-            going = ~done & ~stuck
+            going = ~done & ~stuck & full
             active, residual, matrix = active[going], residual[:, going], matrix[going]
     return x, found, isolated
 
