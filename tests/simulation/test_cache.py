@@ -144,7 +144,6 @@ def test_a_cache_that_cannot_be_written_is_read(folder, monkeypatch):
     fresh = file.rename(file.with_name("twice.build-x.fresh"))
     file.parent.chmod(0o500)
     try:
-        assert wanted(SOURCE).kept() is None or fresh.exists()
         assert cache.load_kept(file.parent).twice and fresh.exists()
     finally:
         file.parent.chmod(0o700)
