@@ -108,7 +108,8 @@ def equations(model: str, form: str, settings: tuple[str, ...], as_json: bool) -
     "files",
     multiple=True,
     metavar="NAME=FILE.csv",
-    help="Input over time, or NAME=VALUE.",
+    help="Input over time, held between samples as FILE.csv:zero, :linear (default) or :band "
+    "say; or NAME=VALUE.",
 )
 @click.option(
     "--points",

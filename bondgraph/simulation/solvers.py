@@ -19,6 +19,7 @@ SMOOTH = ("cvodes", "idas", "rosenbrock")
 # in a fifth of the steps; and it starts again at full order after each jump of an input, and damps
 # oscillations that a BDF method of high order lets grow. idas is no faster on any of them.
 IMPLICIT = "rosenbrock"
+LARGEST = 1000  # states; a run of a ladder so long takes 7 s and a gigabyte
 
 
 @dataclass(frozen=True)
@@ -118,6 +119,12 @@ def _automatic(
         return Choice(EXPLICIT, f"{EXPLICIT}: compiled code was asked for")
     if start is not None:
         found = model.stiffness(start.span, start.x, start.p, start.inputs)
+        if found.stiff and len(start.x) > LARGEST:
+            return Choice(
+                EXPLICIT,
+                f"{EXPLICIT}: stiff, but {len(start.x)} states are more than the dense matrices of "
+                f"{IMPLICIT} are good for",
+            )
         if found.stiff:
             length = start.span[1] - start.span[0]
             return Choice(
