@@ -38,7 +38,7 @@ class _Replay(ctypes.Structure):
 
     _fields_ = (
         *_fields(ctypes.c_longlong, "n np q m k n_knots n_steps n_eval n_modes own_rows"),
-        ("least", ctypes.c_double),
+        ("noise", ctypes.c_double),
         *_fields(ctypes.c_void_p, "parameters seeds record knots values t_eval events hold modes"),
         *_fields(ctypes.c_void_p, "iw w state codes rows event_rows work"),
         *_fields(ctypes.c_longlong, "until step events_done row_count culprit"),
@@ -69,7 +69,7 @@ class NativeReplay:
         assert isinstance(inputs, InputTable)
         run.n, run.np, run.q, run.m, run.k = n, table.np, q, table.m, table.k
         run.n_steps, run.n_knots = len(travelled.record) - 1, len(inputs.knots)
-        run.least, run.knot = travelled.least, -1
+        run.noise, run.knot = travelled.noise, -1
         run.own_rows = travelled.t_eval is None
         run.n_eval = 0 if travelled.t_eval is None else len(travelled.t_eval)
         state = numpy.concatenate([travelled.record[0, 3:], travelled.start.ravel()])

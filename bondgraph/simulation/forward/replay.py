@@ -16,7 +16,7 @@ from ..stepper import EPSILON, TINY, A, B, C, D, _weighted
 from .tangents import Entries, TangentTable
 from .value import AMBIGUOUS, GRAZING, NON_FINITE, Array, Projection, Replayed, Travelled, Undefined
 
-TOGETHER, AGREE = 1e3, 1e-6
+TOGETHER, AGREE, LEAST = 1e3, 1e-6, 1e-12
 RATE_STEP = 1e-6  # relative, for the rate of an input that is a Python function
 Active = tuple[Array, Array, Array]
 
@@ -223,18 +223,18 @@ class PythonReplay:
         found = self.mode[1](t, x, numpy.concatenate([u, before, slope]), p, self.codes)
         start, h = float(self.last[0]), float(self.last[1])
         u, slope = self.inputs(start)
-        earlier = self.mode[1](
-            start, self.last[3:], numpy.concatenate([u, before, slope]), p, self.codes
-        )
-        mean = numpy.abs(found[:k] - earlier[:k]) / h
-        rate, size = found[k : 2 * k], numpy.maximum(found[2 * k : 3 * k], mean)
+        moves = numpy.concatenate([u, self.K[1, :n], slope])
+        earlier = self.mode[1](start, self.last[3:], moves, p, self.codes)
+        rate, turn = found[k : 2 * k], numpy.abs(found[k : 2 * k] - earlier[k : 2 * k]) / h
+        falls = rate < -LEAST * found[2 * k : 3 * k]
+        falls &= rate * rate > self.given.noise * found[3 * k : 4 * k] * turn
         away = numpy.abs(found[:k] / rate)
         switches = [int(event[0]) for event in self.given.events[self.events_done : last]]
-        falling = [j for j in switches if rate[j] < -self.given.least * size[j]]
+        falling = [j for j in switches if falls[j]]
         if not falling:
             raise Undefined(GRAZING, t, switches[0])
         fired = min(falling, key=lambda j: away[j])
-        crossings = -self.spread(self.mode[3], found[3 * k :], self.state[n:], k) / rate[:, None]
+        crossings = -self.spread(self.mode[3], found[4 * k :], self.state[n:], k) / rate[:, None]
         dt = crossings[fired]
         for j in switches:
             if j != fired and away[j] <= TOGETHER * EPSILON * max(abs(t), TINY):
