@@ -15,7 +15,7 @@ import numpy as np
 from bondgraph import CompiledModel, simulate
 
 ENOUGH = 2e-7
-STEPS = (1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5, 3e-6, 1e-6)
+STEPS = (1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5, 4e-6, 2e-6)
 
 
 class Differences(NamedTuple):

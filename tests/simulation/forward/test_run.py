@@ -26,14 +26,17 @@ from bondgraph import (
 from bondgraph.errors import ParameterError, SimulationError
 from bondgraph.models import bicycle_brake, frame_brake, mass_on_belt, quarter_car
 from bondgraph.simulation import compiler
-from tests.differences import differences
+from tests.differences import STEPS, differences
 
 BACKENDS = ["native", "vm"] if compiler.find_compiler() else ["vm"]
 compiled = pytest.mark.skipif(len(BACKENDS) < 2, reason="slow on the virtual machine")
 
 
+CLOSE = 1e-6
+
+
 def agree(
-    model, until, names, sizes=None, close=1e-6, rtol=1e-10, times=101, runs=1e-12, **options
+    model, until, names, sizes=None, rtol=1e-10, times=101, runs=1e-12, steps=STEPS, **options
 ):
     """Hold sensitivities along a run, at its end and of its events against differences."""
     grid = np.linspace(0, until, times)
@@ -42,12 +45,12 @@ def agree(
     for c, name in enumerate(names):
         size = (sizes or {}).get(name)
         moving = exact.x[:, c].any(axis=1)
-        found = differences(
-            model, until, name, grid, size=size, moving=moving, rtol=runs, **options
-        )
+        how = {"size": size, "moving": moving, "rtol": runs, "steps": steps}
+        found = differences(model, until, name, grid, **how, **options)
         error = np.abs(exact.x[:, c] - found.x)[:, found.far].max(axis=1)
-        allowed = (close + found.doubt) * found.scale
-        assert found.doubt < 2e-6, name
+        # of two steps the nearer one was taken, which is several times as good as they agree
+        allowed = (CLOSE + found.doubt / 4) * found.scale
+        assert found.doubt < 5e-6, name
         assert (error <= allowed)[moving].all(), name
         still = np.abs(exact.trajectory.x).max(axis=1) / (size or exact.trajectory.parameters[name])
         assert (error < 1e-3 * still)[~moving].all(), name
@@ -57,7 +60,7 @@ def agree(
         if found.events is not None and np.abs(found.events).max(initial=0.0) > 0:
             scale = max(np.abs(found.events).max(), 1e-9)
             error = np.abs(exact.events[:, c] - found.events).max()
-            assert error < (close + found.doubt) * scale, name
+            assert error < (CLOSE + found.doubt / 4) * scale, name
     return exact
 
 
@@ -176,7 +179,7 @@ def test_the_brake_through_all_its_sticks(brake, figure):
         {"rear.bending.q": 2e-3},
         parameters=given,
         times=301,
-        runs=1e-13 if figure == "fig6" else 1e-12,
+        runs=1e-12 if figure in ("fig7", "fig9") else 1e-13,
     )
     assert len(found.events) == events
 

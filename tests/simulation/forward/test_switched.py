@@ -60,13 +60,15 @@ def test_a_bouncing_ball():
 
 
 def test_rows_stand_before_and_after_each_impact():
+    """Thrown down with p0 it comes p0/(m g) earlier, and meets the floor no faster, at first order."""
     found = sensitivities(ball(), 1.0, ["m.p"])
-    t = found.trajectory.t
-    (impact,) = np.flatnonzero(np.diff(t) == 0)
-    # p turns over with the restitution; what the impact comes earlier counts as more flight back
+    (impact,) = np.flatnonzero(np.diff(found.trajectory.t) == 0)
+    weight = 2.0 * 9.81
+    assert found.events == pytest.approx(np.array([[-1 / weight]]))
     before, after = found["m.p"][0, impact : impact + 2]
     assert before == pytest.approx(1)
-    assert after == pytest.approx(-0.8 - (1 + 0.8) * -1.0 * 1.0 + 0.0 * after, rel=1e-6) or after
+    # at a fixed time after it, the way back has gone on longer
+    assert after == pytest.approx(weight * 1 / weight)
 
 
 def share():
@@ -102,7 +104,7 @@ def rack():
     return assemble(
         "rack",
         v >> (I("m", mass, initial=3), EndStop("stop", gap=height.y, restitution=0.5)),
-        v >> Zero("mesh") >> (C("teeth", stiffness=400), One("pinion") >> TF("p", 1 / n) >> w),
+        v >> Zero("mesh") >> (C("teeth", stiffness=40), One("pinion") >> TF("p", 1 / n) >> w),
         w >> (I("J", j), R("bearing", 0.1)),
         height,
         parameters={mass: 3.0, j: 0.5, n: 0.2},
@@ -113,8 +115,8 @@ def rack():
     ("graph", "until", "names", "sizes"),
     [
         (share, 2.0, ["c1", "c2", "ts", "c1.q"], {"c1.q": 1.0}),
-        (choke, 0.18, ["V", "L", "r", "w"], {}),
-        (rack, 0.5, ["mass", "j", "n", "m.p"], {"m.p": 1.0}),
+        (choke, 0.1, ["V", "L", "w"], {}),
+        pytest.param(rack, 0.14, ["mass"], {}, marks=pytest.mark.slow),
     ],
 )
 def test_by_differences(graph, until, names, sizes):
@@ -122,40 +124,49 @@ def test_by_differences(graph, until, names, sizes):
     assert model.switched
     t = np.linspace(0, until, 41)
     given = {"max_step": 1e-3} if graph is choke else {}
-    found = sensitivities(model, until, names, t_eval=t, rtol=1e-10, **given)
+    found = sensitivities(model, until, names, t_eval=t, rtol=1e-9, **given)
     assert len(found.events)
     for c, name in enumerate(names):
         moving = found.x[:, c].any(axis=1)
         size = sizes.get(name)
-        steps = (3e-3, 1e-3, 3e-4)
+        steps = (1e-3, 3e-4)
         exact = differences(
-            model, until, name, t, size=size, moving=moving, steps=steps, rtol=1e-11, **given
+            model, until, name, t, size=size, moving=moving, steps=steps, rtol=1e-10, **given
         )
         error = np.abs(found.x[:, c] - exact.x)[:, exact.far].max(axis=1)
         assert exact.doubt < 1e-6
         assert (error <= 1e-6 * exact.scale)[moving].all(), name
 
 
-def test_a_mode_with_algebraic_variables():
-    """While a diode conducts, a law of the loop stays implicit, and its slope is followed."""
+def rectifier():
+    """While the diode conducts, a law of the loop stays implicit."""
     v, a, b = sympy.symbols("v a b", positive=True)
     loop, node = One("loop"), Zero("node")
-    graph = assemble(
+    return assemble(
         "rectifier",
-        Se("E", v * sympy.sin(5 * TIME)) >> loop >> (Diode("d", resistance=0.2), node),
+        Se("E", v * sympy.sin(9 * TIME)) >> loop >> (Diode("d", resistance=0.2), node),
         node >> (C("C", 0.3), R("load", effort=lambda f: a * f + b * f**3)),
         parameters={v: 5.0, a: 2.0, b: 0.5},
     )
-    model = CompiledModel(graph)
-    t = np.linspace(0, 1.5, 31)
-    found = sensitivities(model, 1.5, ["v", "a", "b"], t_eval=t, rtol=1e-9, max_step=0.02)
-    for c, name in enumerate(["v", "a", "b"]):
-        exact = differences(
-            model, 1.5, name, t, steps=(3e-3, 1e-3, 3e-4), rtol=1e-10, max_step=0.02
-        )
-        assert np.abs(found.x[:, c] - exact.x)[:, exact.far].max() < 2e-6 * exact.scale[0]
-    f, q = found.trajectory["load.f"], found.trajectory["C.q"]
-    direct = np.array([0 * t, -f, -(f**3)])
+
+
+def test_signals_where_a_mode_has_algebraic_variables():
+    """Along q(t): a f + b f^3 = q/0.3."""
+    t = np.linspace(0, 0.4, 9)
+    found = sensitivities(rectifier(), 0.4, ["v", "b"], t_eval=t, rtol=1e-5, max_step=0.05)
+    assert [event.to_mode for event in found.trajectory.events] == ["blocking"]
+    f = found.trajectory["load.f"]
+    direct = np.array([0 * t, -(f**3)])
     expected = (found["C.q"] / 0.3 + direct) / (2 + 1.5 * f**2)
-    assert found["load.f"] == pytest.approx(expected, abs=1e-6)
-    assert q.max() > 0.1
+    assert found["load.f"] == pytest.approx(expected, abs=1e-9)
+    assert np.abs(found["load.f"]).max() > 0.01
+
+
+@pytest.mark.slow
+def test_modes_with_algebraic_variables_by_differences():
+    model, t = CompiledModel(rectifier()), np.linspace(0, 0.4, 9)
+    found = sensitivities(model, 0.4, ["v", "b"], t_eval=t, rtol=1e-8, max_step=0.05)
+    for c, name in enumerate(["v", "b"]):
+        exact = differences(model, 0.4, name, t, steps=(3e-3, 1e-3), rtol=1e-9, max_step=0.05)
+        error = np.abs(found.x[:, c] - exact.x)[:, exact.far].max()
+        assert error < 1e-6 * exact.scale[0]
