@@ -1,7 +1,7 @@
 """Central differences of runs: what sensitivities are held against.
 
-Five points are used, and of several steps the one whose result agrees best with the next one's: far
-steps leave the linear range, near ones meet the rounding of the runs.
+Five points are used, and of several steps the mean of those two neighbours that agree best: far steps
+leave the linear range, near ones meet the rounding of the runs.
 """
 
 from __future__ import annotations
@@ -79,7 +79,8 @@ def differences(
         apart = np.abs(one[0] - other[0])[:, far].max(axis=1)
         doubt = float((apart[moving] / scale[moving]).max())
         if best is None or doubt < best.doubt:
-            best = Differences(other[0], far, other[2], scale, doubt)
+            events = None if one[2] is None or other[2] is None else (one[2] + other[2]) / 2
+            best = Differences((one[0] + other[0]) / 2, far, events, scale, doubt)
         if best.doubt < ENOUGH:
             break
     assert best is not None, f"no step by {name} leaves the modes as they are"
