@@ -169,13 +169,22 @@ def brake():
 
 
 @compiled
-@pytest.mark.parametrize("figure", FIGURES)
-def test_the_brake_through_all_its_sticks(brake, figure):
+@pytest.mark.parametrize(
+    ("figure", "names"),
+    [
+        ("fig6", BRAKE),
+        ("fig7", BRAKE),
+        ("fig8", ["V0", "zeta_f"]),
+        pytest.param("fig8", BRAKE, marks=pytest.mark.slow),
+        ("fig9", BRAKE),
+    ],
+)
+def test_the_brake_through_all_its_sticks(brake, figure, names):
     given, events = FIGURES[figure]
     found = agree(
         brake,
         0.3,
-        [*BRAKE, "rear.bending.q"],
+        [*names, "rear.bending.q"],
         {"rear.bending.q": 2e-3},
         parameters=given,
         times=301,
