@@ -38,8 +38,10 @@ class _Replay(ctypes.Structure):
 
     _fields_ = (
         *_fields(ctypes.c_longlong, "n np q m k n_knots n_steps n_eval n_modes own_rows"),
-        ("least", ctypes.c_double),
-        *_fields(ctypes.c_void_p, "parameters seeds record knots values t_eval events hold modes"),
+        ("noise", ctypes.c_double),
+        *_fields(
+            ctypes.c_void_p, "parameters seeds record knots values shapes t_eval events jumps modes"
+        ),
         *_fields(ctypes.c_void_p, "iw w state codes rows event_rows work"),
         *_fields(ctypes.c_longlong, "until step events_done row_count culprit"),
         ("wanted", ctypes.c_ulonglong),
@@ -69,7 +71,7 @@ class NativeReplay:
         assert isinstance(inputs, InputTable)
         run.n, run.np, run.q, run.m, run.k = n, table.np, q, table.m, table.k
         run.n_steps, run.n_knots = len(travelled.record) - 1, len(inputs.knots)
-        run.least, run.knot = travelled.least, -1
+        run.noise, run.knot = travelled.noise, -1
         run.own_rows = travelled.t_eval is None
         run.n_eval = 0 if travelled.t_eval is None else len(travelled.t_eval)
         state = numpy.concatenate([travelled.record[0, 3:], travelled.start.ravel()])
@@ -79,6 +81,7 @@ class NativeReplay:
             ("record", travelled.record),
             ("knots", inputs.knots),
             ("values", inputs.values),
+            ("shapes", inputs.shapes),
             ("t_eval", numpy.zeros(0) if travelled.t_eval is None else travelled.t_eval),
             ("state", state),
             ("codes", numpy.append(travelled.codes, 0.0)),
@@ -87,7 +90,7 @@ class NativeReplay:
         ):
             self.point(name, numpy.ascontiguousarray(array, dtype=float))
         self.point("events", numpy.ascontiguousarray(travelled.events, dtype=numpy.int64))
-        self.point("hold", numpy.ascontiguousarray(inputs.hold, dtype=numpy.int8))
+        self.point("jumps", inputs.jumps)
         self.moved = numpy.any(travelled.seeds != 0, axis=1)
         self.lists: dict[int, tuple[Array, Array]] = {}
         self.show_modes()

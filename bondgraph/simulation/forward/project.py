@@ -75,7 +75,7 @@ class Projector:
         """Return the Jacobians of the guards of slipping contacts, by states and by parameters."""
         mode, n, k = self.table.mode(self._mask(codes)), self.table.n, self.table.k
         u = numpy.concatenate([self.inputs(t), numpy.zeros(n + self.table.m)])
-        values = evaluator(mode.surface)(t, x, u, self.parameters, codes)[3 * k :]
+        values = evaluator(mode.surface)(t, x, u, self.parameters, codes)[4 * k :]
         assert mode.surface_entries is not None
         matrix = numpy.zeros((k, n + self.table.np))
         matrix[mode.surface_entries.rows, mode.surface_entries.columns] = values

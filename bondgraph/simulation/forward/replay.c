@@ -22,7 +22,7 @@ typedef struct {
 typedef struct {
     unsigned long long stuck; /* bit j: switch j is stuck */
     Function rates;           /* f [n], then the entries of its Jacobian by x, p */
-    Function surface;         /* g [k], its rate [k], size of the rate's terms [k], entries */
+    Function surface;         /* g, its rate, sizes of the terms of both [k each], entries */
     i64 rates_count, surface_count;
     const Entry *rates_entries, *surface_entries;
 } Mode;
@@ -33,10 +33,10 @@ enum { ARRIVE, RESTART, TRAVEL };
 /* Every field is 8 bytes wide; native.py mirrors the part above "private". */
 typedef struct {
     i64 n, np, q, m, k, n_knots, n_steps, n_eval, n_modes, own_rows;
-    double least; /* a guard's rate below this share of its terms is noise */
-    const double *parameters, *seeds, *record, *knots, *values, *t_eval;
+    double noise; /* share of a guard's terms that may be wrong in it */
+    const double *parameters, *seeds, *record, *knots, *values, *shapes, *t_eval;
     const i64 *events; /* [3] each: switch, code before, code after */
-    const signed char *hold;
+    const signed char *jumps;
     const Mode *modes;
     i64 *iw;
     double *w;
@@ -53,8 +53,8 @@ typedef struct {
     double *next, *earlier, *u, *sums, *slope, *dense, *fresh, *stage, *out;
 } Replay;
 
-/* Least parts of a rate that two switches firing at once may differ by; see replay.py. */
-static const double TOGETHER = 1e3, AGREE = 1e-6;
+/* Events of one instant, in units of rounding; derivatives of one event; a rate of rounding. */
+static const double TOGETHER = 1e3, AGREE = 1e-6, LEAST = 1e-12;
 
 static double larger(double a, double b) { return a > b ? a : b; }
 
@@ -63,7 +63,7 @@ static i64 larger_of(i64 a, i64 b) { return a > b ? a : b; }
 i64 replay_work_size(i64 n, i64 q, i64 m, i64 k, i64 entries)
 {
     const i64 N = n + n * q;
-    return 14 * N + 2 * k + m + n + m + k * q + larger_of(n, 3 * k) + entries + q + 8;
+    return 14 * N + 2 * k + m + n + m + k * q + larger_of(n, 4 * k) + entries + q + 8;
 }
 
 i64 replay_struct_size(void) { return (i64)sizeof(Replay); }
@@ -93,14 +93,16 @@ void replay_lay_out(Replay *r)
 
 static void inputs(Replay *r, double t)
 {
-    const i64 m = r->m, i = r->knot;
+    const i64 m = r->m, i = r->knot < 0 ? 0 : r->knot;
+    const int inside = r->knot >= 0 && i + 1 < r->n_knots;
+    if (m == 0) return;
+    const double s = t - r->knots[i];
     for (i64 c = 0; c < m; c++) {
-        const double *value = r->values + (i < 0 ? 0 : i) * m + c;
-        double slope = 0;
-        if (i >= 0 && i + 1 < r->n_knots && r->hold[c])
-            slope = (value[m] - value[0]) / (r->knots[i + 1] - r->knots[i]);
-        r->u[c] = value[0] + (t - r->knots[i < 0 ? 0 : i]) * slope;
-        r->u[m + r->n + c] = slope;
+        const double *shape = r->shapes + i * 3 * m + c;
+        const double slope = inside ? shape[0] : 0;
+        const double bend = inside ? shape[m] : 0, twist = inside ? shape[2 * m] : 0;
+        r->u[c] = r->values[i * m + c] + s * (slope + s * (bend + s * twist));
+        r->u[m + r->n + c] = slope + s * (2 * bend + s * (3 * twist));
     }
 }
 
@@ -243,22 +245,27 @@ static void crossing(const Replay *r, i64 j, double *restrict dt)
     while (first < now(r)->surface_count && entries[first].row < j) first++;
     for (last = first; last < now(r)->surface_count && entries[last].row == j; last++) continue;
     memset(r->sums + j * q, 0, (size_t)q * sizeof(double));
-    spread(r, entries + first, last - first, r->out + 3 * k, S, r->sums);
+    spread(r, entries + first, last - first, r->out + 4 * k, S, r->sums);
     for (i64 c = 0; c < q; c++) dt[c] = -r->sums[j * q + c] / rate;
 }
 
-static void surface(Replay *r, double t, const double *x)
+static void surface(Replay *r, double t, const double *x, const double *slope)
 {
     inputs(r, t);
-    memcpy(r->u + r->m, r->slope, (size_t)r->n * sizeof(double));
+    memcpy(r->u + r->m, slope, (size_t)r->n * sizeof(double));
     now(r)->surface(t, x, r->u, r->parameters, r->codes, r->out, r->iw, r->w);
 }
 
-/* Whether a guard falls at a rate that stands out of its terms and of its mean rate in the step. */
+/*
+ * Whether a guard falls at a rate that can be told. Where it is wrong by d it is met d/rate too
+ * early or late, and there the rate is another: by d * turn / rate.
+ */
 static int falls(const Replay *r, i64 j, double h)
 {
-    const double mean = fabs(r->out[j] - r->earlier[j]) / h;
-    return r->out[r->k + j] < -r->least * larger(r->out[2 * r->k + j], mean);
+    const i64 k = r->k;
+    const double rate = r->out[k + j], turn = fabs(rate - r->earlier[j]) / h;
+    return rate < -LEAST * r->out[2 * k + j]
+           && rate * rate > r->noise * r->out[3 * k + j] * turn;
 }
 
 /*
@@ -268,13 +275,13 @@ static int falls(const Replay *r, i64 j, double h)
 static i64 cross(Replay *r, const Mode *then, double t, i64 last)
 {
     const i64 n = r->n, k = r->k, q = r->q, first = r->events_done;
-    double *dt = r->event_rows + first * q, *other = r->out + 3 * k + now(r)->surface_count;
+    double *dt = r->event_rows + first * q, *other = r->out + 4 * k + now(r)->surface_count;
     const double *before = r->slope, *record = r->record + (r->step - 1) * (n + 3);
     double soonest = INFINITY;
     i64 fired = -1;
-    surface(r, record[0], record + 3);
-    memcpy(r->earlier, r->out, (size_t)k * sizeof(double));
-    surface(r, t, r->state);
+    surface(r, record[0], record + 3, r->slope + n + n * q); /* the next stage's will do */
+    memcpy(r->earlier, r->out + k, (size_t)k * sizeof(double));
+    surface(r, t, r->state, before);
     for (i64 e = first; e < last; e++) {
         const i64 j = r->events[3 * e];
         const double away = fabs(r->out[j] / r->out[k + j]);
@@ -315,9 +322,7 @@ static i64 next_knot(const Replay *r, double t, int *jump)
     *jump = 0;
     while (knot + 1 < r->n_knots && r->knots[knot + 1] <= t) {
         knot++;
-        for (i64 c = 0; c < r->m && knot > 0 && r->begun; c++)
-            if (!r->hold[c])
-                *jump |= r->values[knot * r->m + c] != r->values[(knot - 1) * r->m + c];
+        *jump |= knot > 0 && r->begun && r->jumps[knot];
     }
     return knot;
 }

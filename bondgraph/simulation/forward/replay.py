@@ -16,7 +16,7 @@ from ..stepper import EPSILON, TINY, A, B, C, D, _weighted
 from .tangents import Entries, TangentTable
 from .value import AMBIGUOUS, GRAZING, NON_FINITE, Array, Projection, Replayed, Travelled, Undefined
 
-TOGETHER, AGREE = 1e3, 1e-6
+TOGETHER, AGREE, LEAST = 1e3, 1e-6, 1e-12
 RATE_STEP = 1e-6  # relative, for the rate of an input that is a Python function
 Active = tuple[Array, Array, Array]
 
@@ -76,12 +76,10 @@ class PythonReplay:
             )
             return u, (ahead - behind) / (2 * step)
         i, knots = self.knot, table.knots
-        left = table.values[max(i, 0)]
-        slope = numpy.zeros(len(left))
-        if 0 <= i < len(knots) - 1:
-            rises = (table.values[i + 1] - left) / (knots[i + 1] - knots[i])
-            slope = numpy.where(table.hold == 1, rises, 0.0)
-        return left + (t - knots[max(i, 0)]) * slope, slope
+        left, since = table.values[max(i, 0)], t - knots[max(i, 0)]
+        slope, bend, twist = table.shapes[i if i >= 0 else -1]  # none after the last knot
+        value = left + since * (slope + since * (bend + since * twist))
+        return value, slope + since * (2 * bend + since * (3 * twist))
 
     def functions(
         self, codes: Array
@@ -200,9 +198,7 @@ class PythonReplay:
             return knot, False
         while knot + 1 < len(table.knots) and table.knots[knot + 1] <= t:
             knot += 1
-            if knot > 0 and self.begun:
-                held = table.hold == 0
-                jump |= bool(numpy.any(table.values[knot][held] != table.values[knot - 1][held]))
+            jump |= knot > 0 and self.begun and bool(table.jumps[knot])
         return knot, jump
 
     def cross(self, t: float, row: Array, then: Array, last: int) -> None:
@@ -223,18 +219,18 @@ class PythonReplay:
         found = self.mode[1](t, x, numpy.concatenate([u, before, slope]), p, self.codes)
         start, h = float(self.last[0]), float(self.last[1])
         u, slope = self.inputs(start)
-        earlier = self.mode[1](
-            start, self.last[3:], numpy.concatenate([u, before, slope]), p, self.codes
-        )
-        mean = numpy.abs(found[:k] - earlier[:k]) / h
-        rate, size = found[k : 2 * k], numpy.maximum(found[2 * k : 3 * k], mean)
+        moves = numpy.concatenate([u, self.K[1, :n], slope])
+        earlier = self.mode[1](start, self.last[3:], moves, p, self.codes)
+        rate, turn = found[k : 2 * k], numpy.abs(found[k : 2 * k] - earlier[k : 2 * k]) / h
+        falls = rate < -LEAST * found[2 * k : 3 * k]
+        falls &= rate * rate > self.given.noise * found[3 * k : 4 * k] * turn
         away = numpy.abs(found[:k] / rate)
         switches = [int(event[0]) for event in self.given.events[self.events_done : last]]
-        falling = [j for j in switches if rate[j] < -self.given.least * size[j]]
+        falling = [j for j in switches if falls[j]]
         if not falling:
             raise Undefined(GRAZING, t, switches[0])
         fired = min(falling, key=lambda j: away[j])
-        crossings = -self.spread(self.mode[3], found[3 * k :], self.state[n:], k) / rate[:, None]
+        crossings = -self.spread(self.mode[3], found[4 * k :], self.state[n:], k) / rate[:, None]
         dt = crossings[fired]
         for j in switches:
             if j != fired and away[j] <= TOGETHER * EPSILON * max(abs(t), TINY):

@@ -32,9 +32,6 @@ if TYPE_CHECKING:
 
 log = logging.getLogger(__name__)
 
-# A guard's rate below so many times the relative tolerance of its terms is noise; within bounds.
-NOISE, LEAST, MOST = 10.0, 1e-9, 1e-4
-
 
 def sensitivities(
     graph: BondGraph | CausalGraph | CompiledModel,
@@ -179,7 +176,7 @@ def _travelled(run: Trajectory, seeds: Any) -> Travelled:
         rows=len(run.t),
         seeds=by_p,
         start=by_x,
-        least=min(max(NOISE * options.rtol, LEAST), MOST),
+        noise=options.rtol,
     )
 
 

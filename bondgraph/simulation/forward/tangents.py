@@ -71,8 +71,8 @@ class ModeTangent:
     rates_entries : Entries
     surface : casadi.Function or None
         ``(t, x, (u, dx/dt, du/dt), p, s)`` to the guards g (k,), their rates
-        along the motion (k,), the size of the terms in each rate (k,), then the
-        entries of the Jacobian of g by (x, p).
+        along the motion (k,), the sizes of the terms in each rate (k,) and in each
+        guard (k,), then the entries of the Jacobian of g by (x, p).
     surface_entries : Entries or None
     """
 
@@ -205,11 +205,12 @@ def tangent_of(
     in_time = by[:, -1]
     rate = slope @ moves + in_time
     size = casadi.fabs(slope) @ casadi.fabs(moves) + casadi.fabs(in_time)
+    extent = casadi.fabs(by[:, : x.numel()]) @ casadi.fabs(x)
     parts, where = _sparse(by[:, :count])
     surface = casadi.Function(
         "surface",
         [t, x, casadi.vertcat(u, moves), p, *rest],
-        [casadi.densify(casadi.vertcat(guards, rate, size, parts))],
+        [casadi.densify(casadi.vertcat(guards, rate, size, extent, parts))],
     )
     return ModeTangent(function, entries, surface, where)
 

@@ -40,8 +40,8 @@ class Travelled:
         Derivatives of the parameters.
     start : (n, q) array
         Derivatives of the state at the start.
-    least : float
-        Below this share of its terms the rate of a guard is noise.
+    noise : float
+        Share of a guard's terms by which it may be wrong.
     """
 
     record: Array
@@ -53,7 +53,7 @@ class Travelled:
     rows: int
     seeds: Array
     start: Array
-    least: float
+    noise: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,8 +108,8 @@ class Undefined(Exception):  # an answer within this folder, not an error
         if self.why == GRAZING:
             return SimulationError(
                 f"{name!r} changes its mode at t = {self.t:.9g} s in a grazing contact: its margin "
-                f"touches zero without a speed that stands out of its noise, so the time of the "
-                f"event has no derivative; tighten rtol, or move a parameter off this point",
+                f"touches zero rather than crosses it, as far as the tolerance can tell, so the time of "
+                f"the event has no derivative; tighten rtol, or move a parameter off this point",
                 elements=[name],
             )
         return SimulationError(
