@@ -129,7 +129,7 @@ class Smooth:
                 ("p", free),
             ],
             [
-                *((symbol, table[symbol].value) for symbol in _ordered(derived, table)),
+                *((symbol, table[symbol].value) for symbol in in_dependence(derived, table)),
                 *equations.assignments,
             ],
             {
@@ -220,6 +220,10 @@ class Smooth:
     def symbolic(self, x: Any, u: Any, p: Any) -> Any:
         """Return the rates as a CasADi expression in symbolic arguments."""
         return self._rates(x, u, p)
+
+    def symbolic_contacts(self, x: Any, u: Any, p: Any) -> Any:
+        """Return flow, effort and margins of each switching element as a CasADi expression."""
+        return self._contacts(x, u, p)
 
     def outputs(self, x: Vector, u: Vector, p: Vector) -> dict[str, float]:
         """Return the outputs by name."""
@@ -312,7 +316,9 @@ def _check_autonomous(equations: Equations, program: Program) -> None:
         )
 
 
-def _ordered(derived: list[sympy.Symbol], table: Mapping[sympy.Symbol, Any]) -> list[sympy.Symbol]:
+def in_dependence(
+    derived: list[sympy.Symbol], table: Mapping[sympy.Symbol, Any]
+) -> list[sympy.Symbol]:
     """Order derived parameters so that each stands after those it depends on."""
     placed: dict[sympy.Symbol, None] = {}
 

@@ -106,7 +106,7 @@ def steady_state(
     >>> round(point.outputs["slip"], 9), point.modes
     (0.9, {'friction': 'slip+'})
     """
-    _check_names(graph, guess)
+    check_guess(graph, guess)
     fixed = dict(modes or {})
     current = {**first_modes(graph, parameters, guess, fixed), **fixed}
     tried = set()
@@ -204,7 +204,7 @@ def first_modes(
         return {}
     equations = derive(graph)
     if equations.switches:
-        return _first_possible(graph, fixed)
+        return first_possible(graph, fixed)
     values = parameter_values(equations, parameters)
     x = initial_values(equations, values, start)
     numbers = {state.name: value for state, value in zip(equations.states, x, strict=True)} | values
@@ -227,7 +227,7 @@ def first_modes(
     return found
 
 
-def _first_possible(graph: BondGraph, fixed: Mapping[str, str]) -> dict[str, str]:
+def first_possible(graph: BondGraph, fixed: Mapping[str, str]) -> dict[str, str]:
     """Return modes whose equations exist, near those in which nothing is held."""
     free = {name: list(graph[name].modes)[::-1] for name in contacts(graph) if name not in fixed}
     choices = itertools.islice(itertools.product(*free.values()), MAX_FIRST_MODES)
@@ -252,7 +252,7 @@ def _at(equations: Equations, expression: sympy.Expr, numbers: Mapping[str, floa
     return float(expanded.evalf(17, subs=given))
 
 
-def _check_names(graph: BondGraph, guess: Mapping[Any, float] | None) -> None:
+def check_guess(graph: BondGraph, guess: Mapping[Any, float] | None) -> None:
     """Refuse a guess for what is a state in no mode, nor an output, nor algebraic."""
     known = [
         *(
@@ -315,20 +315,53 @@ def _solve(
     u, p = list(given.values()), smooth.vector(values)
     states = initial_values(equations, values, hints)
     z = algebraic_guess(equations, hints)
-    start = smooth.consistent(states, u, p, z)
-    if start is None:  # none at these states; there may be at others
-        start = numpy.array([*states, *z])
-    start = _against_stops(smooth, modes, start, u, p)
-    try:
-        x, isolated = solve_rates(smooth, start, u, p)
-    except SteadyStateError:
-        x, isolated = solve_rates(smooth, _relaxed(smooth, start, u, p), u, p)
+    x, isolated = find_rest(smooth, modes, (states, z), u, p)
     point = _point(smooth, x, (given, values, modes), isolated)
     better = {
         name: found.better_mode(modes[name])
         for name, found in smooth.contact_values(x, u, p).items()
     }
     return point, {name: mode for name, mode in better.items() if mode is not None}
+
+
+def find_rest(
+    smooth: Smooth,
+    modes: Mapping[str, str],
+    start: tuple[Any, Any],
+    u: Any,
+    p: Any,
+) -> tuple[numpy.ndarray, bool]:
+    """Find a point where nothing changes, in given modes, from states and algebraic variables.
+
+    Parameters
+    ----------
+    smooth : Smooth
+        Of the equations in the modes.
+    modes : mapping of str to str
+    start : (sequence of float, sequence of float)
+        First states, and a guess of the algebraic variables.
+    u, p : sequence of float
+        Inputs and parameter vector.
+
+    Returns
+    -------
+    x : (n + nz,) array
+    isolated : bool
+        See `solve_rates`.
+
+    Raises
+    ------
+    SteadyStateError
+    """
+    states, z = start
+    first = smooth.consistent(states, u, p, z)
+    if first is None:  # none at these states; there may be at others
+        first = numpy.array([*states, *z])
+    first = _against_stops(smooth, modes, first, u, p)
+    try:
+        return solve_rates(smooth, first, u, p)
+    except SteadyStateError:
+        return solve_rates(smooth, _relaxed(smooth, first, u, p), u, p)
 
 
 def _against_stops(

@@ -139,19 +139,65 @@ class InitialState:
     def _output(self, name: str) -> tuple[int, _Number, _Number]:
         """Return the one state that an output is affine in, the slope and what is added."""
         if name not in self._outputs:
-            equations = self.equations
-            expression = equations.substituted(equations.outputs[name])
-            states = [state for state in equations.states if state in expression.free_symbols]
-            slope = sympy.diff(expression, states[0]) if len(states) == 1 else sympy.S.Zero
-            known = set(states) | set(equations.graph.parameters)
-            if slope == 0 or slope.free_symbols & set(states) or expression.free_symbols - known:
-                raise ParameterError(
-                    f"initial value of output {name!r} does not fix one state; give states instead: "
-                    f"{', '.join(self._places)}"
-                )
-            offset = _Number(expression.subs(states[0], 0))
-            self._outputs[name] = self._places[states[0].name], _Number(slope), offset
+            state, slope, offset = _affine_output(self.equations, name)
+            self._outputs[name] = self._places[state.name], _Number(slope), _Number(offset)
         return self._outputs[name]
+
+
+def _affine_output(equations: Equations, name: str) -> tuple[sympy.Symbol, sympy.Expr, sympy.Expr]:
+    """Return the one state that an output is affine in, the slope and what is added."""
+    expression = equations.substituted(equations.outputs[name])
+    states = [state for state in equations.states if state in expression.free_symbols]
+    slope = sympy.diff(expression, states[0]) if len(states) == 1 else sympy.S.Zero
+    known = set(states) | set(equations.graph.parameters)
+    if slope == 0 or slope.free_symbols & set(states) or expression.free_symbols - known:
+        raise ParameterError(
+            f"initial value of output {name!r} does not fix one state; give states instead: "
+            f"{', '.join(state.name for state in equations.states)}"
+        )
+    return states[0], slope, expression.subs(states[0], 0)
+
+
+def start_expressions(
+    equations: Equations, given: Mapping[Any, Any] | None = None
+) -> list[sympy.Expr]:
+    """Return the initial states as expressions in parameters, for many parameter sets at once.
+
+    Parameters
+    ----------
+    equations : Equations
+    given : mapping, optional
+        As for `initial_values`.
+
+    Returns
+    -------
+    list of Expr
+        Ordered as ``equations.states``.
+
+    Raises
+    ------
+    ParameterError
+        As `initial_values` does, but for what depends on values.
+
+    Examples
+    --------
+    >>> from bondgraph import derive
+    >>> from bondgraph.models import mass_on_belt
+    >>> start_expressions(derive(mass_on_belt.graph()), {"v": 0.5})
+    [0.5*m, 0]
+    """
+    start = dict(zip(equations.states, equations.initial, strict=True))
+    names = {state.name: state for state in equations.states}
+    for name, number in _numbers(given):
+        if name in names:
+            start[names[name]] = sympy.Float(number)
+        elif name in equations.outputs:
+            state, slope, offset = _affine_output(equations, name)
+            start[state] = (number - offset) / slope
+        elif _algebraic(equations, name) is None:
+            implicit = [symbol.name for symbol in equations.algebraic]
+            raise unknown_name("state", name, [*names, *implicit, *equations.outputs])
+    return list(start.values())
 
 
 class _Number:

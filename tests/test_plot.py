@@ -9,7 +9,7 @@ import sys
 import numpy as np
 import pytest
 
-from bondgraph import plot, simulate, steady_state
+from bondgraph import eigenvalue_map, plot, simulate, steady_state
 from bondgraph.errors import BondGraphError
 from bondgraph.models import bicycle_brake, mass_on_belt, quarter_car
 from bondgraph.stability import assess
@@ -185,3 +185,31 @@ def test_a_map_says_what_it_cannot_show():
         plot.sweep_map(found, "final:w")
     one = plot.sweep_map(found.isel(m=0))
     assert one.get_xlabel() == "spring stiffness [N/m]"
+
+
+class TestStabilityMap:
+    def axes_of(self, **axes):
+        found = eigenvalue_map(BRAKE, axes, product=True)
+        return found, plot.stability_map(found)
+
+    def test_boundary_hatching_and_frequency(self):
+        found, ax = self.axes_of(V0=np.linspace(0.3, 1.5, 25), v_s=np.linspace(0.04, 0.2, 17))
+        assert (ax.get_xlabel(), ax.get_ylabel()) == ("V0 [m/s]", "v_s [m/s]")
+        line = [c for c in ax.collections if c.get_facecolor().size == 0 and len(c.get_paths())]
+        points = np.concatenate([p.vertices for c in line for p in c.get_paths()])
+        # unstable below v_s ln(N dmu/(v_s |c_H|)), c_H = -7.137493 N s/m
+        edge = points[:, 1] * np.log(225 / (points[:, 1] * 7.137493))
+        assert np.abs(points[:, 0] - edge).max() < 0.02
+        bar = next(other for other in ax.figure.axes if other is not ax)
+        assert bar.get_ylabel() == "frequency of the leading mode [Hz]"
+        words = [text.get_text() for text in ax.get_legend().get_texts()]
+        assert words == ["unstable", "boundary"]
+        assert found.ok.all()
+
+    def test_points_without_a_result_are_grey(self):
+        _, ax = self.axes_of(V0=np.linspace(0.3, 1.5, 5), v_s=np.linspace(-0.1, 0.2, 4))
+        assert "no result" in [text.get_text() for text in ax.get_legend().get_texts()]
+
+    def test_two_axes_are_wanted(self):
+        with pytest.raises(BondGraphError, match="over two axes"):
+            self.axes_of(V0=np.linspace(0.3, 1.5, 5))

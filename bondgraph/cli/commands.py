@@ -108,7 +108,8 @@ def equations(model: str, form: str, settings: tuple[str, ...], as_json: bool) -
     "files",
     multiple=True,
     metavar="NAME=FILE.csv",
-    help="Input over time, or NAME=VALUE.",
+    help="Input over time, held between samples as FILE.csv:zero, :linear (default) or :band "
+    "say; or NAME=VALUE.",
 )
 @click.option(
     "--points",
@@ -213,6 +214,9 @@ def _report_run(trajectory: Trajectory, as_json: bool, written: list[Path]) -> i
             f"{trajectory.advice}",
             err=True,
         )
+        return 1
+    if trajectory.undefined:
+        click.echo(f"bondgraph: {trajectory.undefined_words()}", err=True)
         return 1
     return 0
 

@@ -112,11 +112,14 @@ def read_inputs(graph: BondGraph, words: tuple[str, ...]) -> dict[str, float | S
     for word in words:
         name, equals, text = word.partition("=")
         if not equals or not text:
-            raise click.UsageError(f"--input {word!r}: write NAME=FILE.csv or NAME=VALUE")
+            raise click.UsageError(
+                f"--input {word!r}: write NAME=FILE.csv, NAME=FILE.csv:HOLD or NAME=VALUE"
+            )
         if name not in units:
             raise unknown_name("input", name, units)
-        if text.endswith(".csv"):
-            inputs[name] = Samples.read(text, name, units[name])
+        path, hold = _path_and_hold(text)
+        if path.endswith(".csv"):
+            inputs[name] = Samples.read(path, name, units[name], hold)
         else:
             inputs[name] = read_number(text, f"--input {name}")
     return inputs
@@ -177,3 +180,15 @@ def _line(error: BaseException, path: Path) -> str:
     ]
     number = frames[-1].lineno if frames else getattr(error, "lineno", None)
     return f", line {number}" if number else ""
+
+
+def _path_and_hold(text: str) -> tuple[str, str]:
+    """Take a known word after the last colon for the hold; a path may hold colons of its own."""
+    from bondgraph.simulation.samples import HOLDS
+
+    path, colon, hold = text.rpartition(":")
+    if colon and path.endswith(".csv"):
+        if hold not in HOLDS:
+            raise click.UsageError(f"--input {text!r}: after the file comes {', '.join(HOLDS)}")
+        return path, hold
+    return text, "linear"

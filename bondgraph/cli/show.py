@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import sys
 from typing import TYPE_CHECKING, Any
 
@@ -151,7 +152,10 @@ def run_json(trajectory: Trajectory) -> dict[str, Any]:
         "model": trajectory.model.equations.name,
         "outcome": trajectory.outcome.value,
         "t_end": trajectory.t_end,
-        "final": trajectory.final,
+        "final": {
+            name: value if math.isfinite(value) else None
+            for name, value in trajectory.final.items()
+        },
         "events": [
             {"t": event.t, "element": event.element, "from": event.from_mode, "to": event.to_mode}
             for event in trajectory.events
@@ -162,6 +166,7 @@ def run_json(trajectory: Trajectory) -> dict[str, Any]:
             "dissipated": energy.dissipated,
             "relative_residual": energy.relative_residual,
         },
+        "undefined": [{"name": name, "t": t} for name, t in trajectory.undefined.items()],
         "backend": trajectory.backend,
         "solver": {"name": trajectory.solver, "reason": trajectory.solver_reason},
         "steps": trajectory.steps,

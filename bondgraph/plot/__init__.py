@@ -11,6 +11,7 @@ Okabe, Ito, Color universal design, 2008 (the palette).
 
 from .laws import friction_curve
 from .loci import growth_rates, root_locus
+from .maps import stability_map
 from .motion import application, overview, phase_plane, time_response
 from .style import PALETTE, Signal, new_axes, pretty, save, signal
 from .sweeps import sweep_map
@@ -29,5 +30,6 @@ __all__ = [
     "save",
     "signal",
     "sweep_map",
+    "stability_map",
     "time_response",
 ]

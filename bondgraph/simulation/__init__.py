@@ -2,7 +2,7 @@
 
 `simulate` is the whole face (`run`), and `solvers` chooses. `compiled` holds a model's
 numeric functions, `mode_set` those of its modes, `implicit` what of them is solved for in
-each call; `inputs` is what varies from outside, `trajectory` the result.
+each call; `inputs` is what varies from outside (`samples`, `curves`), `trajectory` the result.
 
 Three ways to run. `hybrid` integrates a `problem` with frictions on the modes of a `table`:
 compiled C (`driver.c`, `kernel.c`, built by `compiler`, run by `native`) where a compiler is
@@ -13,9 +13,9 @@ elements, on the same stepper. ``smooth/`` is for stiff models and DAEs, by CasA
 
 from .compiled import CompiledModel
 from .forward import Sensitivities, sensitivities
-from .inputs import Samples
 from .outcome import Outcome
 from .run import simulate
+from .samples import Samples
 from .trajectory import Energy, Event, Trajectory
 
 __all__ = [

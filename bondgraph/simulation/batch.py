@@ -93,9 +93,9 @@ def run_many(
     columns = _columns(model, points)
     shared = dict(parameters or {}), dict(initial or {}), dict(inputs or {})
     table = gather(model.equations, shared[2], switched=model.switched)
-    plain = isinstance(table, InputTable) and (not columns[2] or len(table.knots) == 1)
     explicit = choose(model, solver, backend).solver == EXPLICIT and not model.switched
-    if explicit and plain and backend != "vm" and model.modes.compiled():
+    wanted = explicit and backend != "vm" and model.modes.compiled()
+    if wanted and isinstance(table, InputTable) and not (columns[2] and len(table.knots) > 1):
         starts = _starts(model, span, columns, (*shared, table))
         if solver == EXPLICIT or starts.explicit:
             options = Options(**limits, t_eval=numpy.zeros(0))
@@ -155,9 +155,9 @@ def _one_by_one(
     for point in range(_count(columns)):
         if stop is not None and stop():
             raise KeyboardInterrupt
-        own = (shared[i] | _at(columns[i], point) for i in range(3))
+        given, initial, inputs = (shared[i] | _at(columns[i], point) for i in range(3))
         try:
-            runs.append(simulate(model, t_span, *own, t_eval=[], **limits))
+            runs.append(simulate(model, t_span, given, initial, inputs, t_eval=[], **limits))
         except BondGraphError as error:
             runs.append(str(error))
     return gathered(model, runs)

@@ -89,6 +89,10 @@ class Build:
         except OSError as failure:
             raise CompileError(f"{compiler} cannot be run: {failure}") from failure
 
+    def mine(self) -> bool:
+        """Whether this process began it; a fork has no part in its parent's."""
+        return self.owner == os.getpid()
+
     def finished(self) -> bool:
         """Whether the compiler is done, without waiting."""
         return self._process.poll() is not None
@@ -163,7 +167,7 @@ def begin(folder: Path, make: Callable[[], Build]) -> Build:
     """
     with _lock:
         build = _running.get(folder)
-        if build is None or build.owner != os.getpid():  # a fork has no part in its parent's
+        if build is None or not build.mine():
             build = _running[folder] = make()
         return build
 

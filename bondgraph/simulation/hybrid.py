@@ -176,7 +176,7 @@ def solution_of(stepper: Stepper, outcome: Outcome) -> Solution:
 # ---------------------------------------------------------------------- compiled
 
 
-def _integrate_native(problem: Problem, options: Options, patience: float) -> Solution:
+def _integrate_native(problem: Problem, options: Options, patience: float = math.inf) -> Solution:
     this = NativeRun(problem, options)
     outcome = this.to_the_end(options.time_budget, patience)
     run, kept = this.run, this.kept

@@ -109,7 +109,7 @@ class NativeRun:
             self.point("t_eval", t_eval if len(t_eval) else np.zeros(1))
         self.point("work", np.empty(self.driver.halfarrow_work_size(n, run.m, k)))
         self.point("flags", np.empty(self.driver.halfarrow_flag_size(k) + 1, dtype=np.int8))
-        self.point("x_end", np.empty(n + 2))
+        self.point("x_end", np.append(problem.x0, [0.0, 0.0]))
         self.point("code", np.zeros(k + 1, dtype=np.int8))
         self.make_room_for_rows(4096 if t_eval is None else len(t_eval))
         self.make_room_for_events(256 if k else 0)
@@ -175,7 +175,7 @@ class NativeRun:
         self.point("iw", np.empty(iw + 1, dtype=np.int64))
         self.point("w", np.empty(w + 1))
 
-    def to_the_end(self, time_budget: float, patience: float) -> Outcome:
+    def to_the_end(self, time_budget: float, patience: float = math.inf) -> Outcome:
         """Advance, serving what the driver asks for, until it has an outcome.
 
         Where a mode has no machine code, a run that has taken more than `patience` seconds, or

@@ -50,7 +50,8 @@ _ADVICE = {
     Outcome.CHATTERING: (
         "modes switch without time going on; check that kinetic friction at zero slip does not exceed "
         "the breakaway force, that no two frictions hold the same motion, and that a switch which "
-        "changes its own command has a hysteresis or a lag"
+        "changes its own command has a hysteresis or a lag; a law that jumps, such as sign(v), drives "
+        "the motion back from both sides: write dry friction as Friction, or give the law a slope"
     ),
     Outcome.ZENO: (
         "impacts follow each other ever faster and pile up before the run's end; give the end stop "

@@ -64,11 +64,10 @@ class InputTable:
         if not np.isin(hold, (0, 1, 2)).all():
             raise SimulationError("the hold of an input is 0 (zero order), 1 (linear) or 2 (cubic)")
         shape = (len(knots), 3, len(hold))
-        if (hold == 2).any() and (
-            np.shape(self.cubics) != shape or not np.isfinite(self.cubics).all()
-        ):
+        cubics = _doubles(np.zeros(0) if self.cubics is None else self.cubics)
+        if (hold == 2).any() and (cubics.shape != shape or not np.isfinite(cubics).all()):
             raise SimulationError(f"cubic inputs need finite coefficients of shape {shape}")
-        shapes = _shapes(knots, values, hold, self.cubics)
+        shapes = _shapes(knots, values, hold, cubics)
         object.__setattr__(self, "shapes", shapes)
         object.__setattr__(self, "jumps", _jumps(knots, values, hold, shapes))
         object.__setattr__(self, "knots", knots)
@@ -76,15 +75,15 @@ class InputTable:
         object.__setattr__(self, "hold", hold)
 
 
-def _shapes(knots: Array, values: Array, hold: Array, cubics: Array | None) -> Array:
+def _shapes(knots: Array, values: Array, hold: Array, cubics: Array) -> Array:
     """Coefficients of s, s^2 and s^3 between knots."""
     shapes = np.zeros((len(knots), 3, len(hold)))
     if len(knots) == 1:
         return shapes
     rises = np.diff(values, axis=0) / np.diff(knots)[:, None]
     shapes[:-1, 0] = np.where(hold == 1, rises, 0.0)
-    if cubics is not None:
-        shapes[:-1] = np.where(hold == 2, _doubles(cubics)[:-1], shapes[:-1])
+    if (hold == 2).any():
+        shapes[:-1] = np.where(hold == 2, cubics[:-1], shapes[:-1])
     return shapes
 
 
@@ -158,9 +157,10 @@ class Problem:
         table = self.inputs
         if isinstance(table, InputTable):
             return None, table.knots, table.values, table.shapes, table.jumps
+        function = table
         m = self.modes.m
         empty = np.zeros(0), np.zeros((0, m)), np.zeros((0, 3, m)), np.zeros(0, dtype=np.int8)
-        return self.inputs, *empty
+        return function, *empty
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,9 +14,11 @@ from ..codegen.program import ProgramError
 from ..errors import BondGraphError, SimulationError
 from ..graph import BondGraph
 from ..values import algebraic_guess, parameter_values
+from .chatter import reverses
 from .compiled import CompiledModel
 from .hybrid import integrate
-from .inputs import at, gather
+from .inputs import Functions, at, gather
+from .outcome import Outcome
 from .problem import Options, Problem, Solution
 from .smooth import (
     SmoothProblem,
@@ -28,6 +30,9 @@ from .smooth import (
 from .solvers import Choice, Start, choose, stiff_advice
 from .switched import imposed_before, integrate_switched, mask_of
 from .trajectory import Energy, Kept, Trajectory
+
+# Outcomes of runs that did not get on, for a reason to be looked for.
+HELD_UP = (Outcome.STEP_LIMIT, Outcome.STEP_UNDERFLOW, Outcome.TIME_BUDGET)
 
 
 def simulate(
@@ -67,7 +72,9 @@ def simulate(
         run stays on the branch found from there.
     inputs : mapping, optional
         By name or symbol: a number, ``(times, values)``, `Samples`, or a
-        function of time (dopri5 only; it runs on the slower virtual machine).
+        function of time. dopri5 calls functions, on the slower virtual machine;
+        other solvers, and inputs whose rate is needed, follow them by cubics
+        within a tenth of rtol and refuse functions that jump.
     t_eval : (nt,) array-like, optional
         Times to report; the integrator's own steps unless given. CasADi's
         integrators do not tell theirs: they report 1000 equal steps, and denser
@@ -170,6 +177,8 @@ def carried_out(
     try:
         choice = choose(model, solver, backend, Start(span, x0, p, table))
         if choice.solver == "dopri5":
+            if isinstance(table, Functions) and table.needs_rate:
+                table = tabled(table, span, options.rtol)
             run = _hybrid(model, (span, x0, p), values, table, options)
             return _reasoned(run, choice, span)
         guess = numpy.array(algebraic_guess(equations, initial))
@@ -183,12 +192,28 @@ def carried_out(
 
 def _reasoned(run: Trajectory, choice: Choice, span: tuple[float, float]) -> Trajectory:
     """Say why the solver was taken, and which would have come further."""
-    remark = ""
-    if choice.solver == "dopri5" and not run.outcome.ok:
+    remark, outcome = "", run.outcome
+    if outcome in HELD_UP and not run.model.contact_names:
         p = numpy.array([run.parameters[s.name] for s in run.model.equations.parameters])
         end = Start(span, run.x_end, p, run.inputs)
-        remark = stiff_advice(run.model, run.outcome, end)
-    return replace(run, solver_reason=choice.reason, remark=remark)
+        if _chatters(run, end):
+            outcome = Outcome.CHATTERING
+        elif choice.solver == "dopri5":
+            remark = stiff_advice(run.model, end)
+    return replace(run, outcome=outcome, solver_reason=choice.reason, remark=remark)
+
+
+def _chatters(run: Trajectory, end: Start) -> bool:
+    """Whether a run ended at a jump of its laws that drives it back from both sides."""
+    if len(run.z_end) or not len(run.x_end):
+        return False
+    rhs = run.model.modes.functions(0).rhs
+
+    def rates(t: float, x: numpy.ndarray) -> numpy.ndarray:
+        u = at(end.inputs, numpy.array([t]))[:, 0]
+        return rhs(t, x, u, end.p, []).full().ravel()[: len(x)]
+
+    return reverses(rates, run.t_end, run.x_end, end.span[1] - end.span[0])
 
 
 def _hybrid(
@@ -272,7 +297,7 @@ def _smooth(
     solver: str,
 ) -> Trajectory:
     (span, x0, p), (inputs, guess) = start, given
-    table = tabled(inputs, solver)
+    table = tabled(inputs, span, options.rtol)
     u0 = at(table, numpy.array(span[:1]))[:, 0]
     problem = SmoothProblem(
         functions=model.smooth,

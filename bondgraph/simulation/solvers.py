@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any
 
 from ..errors import SimulationError
 from .compiled import CompiledModel
-from .outcome import Outcome
 
 if TYPE_CHECKING:
     import numpy
@@ -20,6 +19,7 @@ SMOOTH = ("cvodes", "idas", "rosenbrock")
 # in a fifth of the steps; and it starts again at full order after each jump of an input, and damps
 # oscillations that a BDF method of high order lets grow. idas is no faster on any of them.
 IMPLICIT = "rosenbrock"
+LARGEST = 1000  # states; a run of a ladder so long takes 7 s and a gigabyte
 
 
 @dataclass(frozen=True)
@@ -110,7 +110,8 @@ def _automatic(
     model: CompiledModel, implicit: tuple[str, ...], backend: str, start: Start | None
 ) -> Choice:
     if model.contact_names:
-        some = _count(len(model.contact_names), "contact")
+        what = "switching element" if model.switched else "contact"
+        some = _count(len(model.contact_names), what)
         return Choice(EXPLICIT, f"{EXPLICIT}: {some} with modes, events are located")
     if implicit:
         return Choice(IMPLICIT, f"{IMPLICIT}: {_count(len(implicit), 'algebraic variable')}")
@@ -118,6 +119,12 @@ def _automatic(
         return Choice(EXPLICIT, f"{EXPLICIT}: compiled code was asked for")
     if start is not None:
         found = model.stiffness(start.span, start.x, start.p, start.inputs)
+        if found.stiff and len(start.x) > LARGEST:
+            return Choice(
+                EXPLICIT,
+                f"{EXPLICIT}: stiff, but {len(start.x)} states are more than the dense matrices of "
+                f"{IMPLICIT} are good for",
+            )
         if found.stiff:
             length = start.span[1] - start.span[0]
             return Choice(
@@ -153,13 +160,13 @@ def _check(model: CompiledModel, chosen: str, implicit: tuple[str, ...], backend
         )
 
 
-def stiff_advice(model: CompiledModel, outcome: Outcome, end: Start) -> str:
-    """Return what to do about a run of dopri5 that stiffness stopped; empty where it did not.
+def stiff_advice(model: CompiledModel, end: Start) -> str:
+    """Return what to do about a run of dopri5 that stopped early; empty where it is not stiff there.
 
     Parameters
     ----------
     model : CompiledModel
-    outcome : Outcome
+        Without switching elements.
     end : Start
         The last good point, and the span of the whole run.
 
@@ -167,9 +174,6 @@ def stiff_advice(model: CompiledModel, outcome: Outcome, end: Start) -> str:
     -------
     str
     """
-    stopped = (Outcome.STEP_LIMIT, Outcome.STEP_UNDERFLOW, Outcome.TIME_BUDGET)
-    if outcome not in stopped or model.contact_names:
-        return ""
     found = model.stiffness(end.span, end.x, end.p, end.inputs, ())
     if not found.stiff:
         return ""

@@ -14,7 +14,7 @@ from __future__ import annotations
 import math
 import threading
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy
@@ -30,8 +30,9 @@ Array = numpy.ndarray
 
 REACH = 3.3  # of the stability region along the negative real axis
 # Beside fewer steps than these, setting up an implicit integrator costs more: 10 ms, a step of
-# compiled code a microsecond.
+# compiled code a microsecond. Its matrices are dense: 7 s for a ladder of 1000 capacitors.
 MANY = 20_000
+FEW_STATES = 30
 # A fast mode holds an integrator up where the motion itself needs so many times fewer steps.
 SLOWER = 10.0
 DAMPED = 0.5  # least share of decay in a rate; a fast oscillation has to be followed
@@ -56,6 +57,8 @@ class Stiffness:
         That its stability would take over the run.
     needed : float
         That the motion itself needs, by a rough estimate.
+    many : float
+        Steps from which on an implicit integrator is cheaper.
 
     Examples
     --------
@@ -66,11 +69,12 @@ class Stiffness:
     rate: float
     steps: float
     needed: float
+    many: float = MANY
 
     @property
     def stiff(self) -> bool:
         """Whether an implicit integrator is the better choice."""
-        return self.steps > MANY and self.steps > SLOWER * self.needed
+        return self.steps > self.many and self.steps > SLOWER * self.needed
 
 
 class Probe:
@@ -111,6 +115,11 @@ class Probe:
         with self._lock, numpy.errstate(all="ignore"):
             for slopes in self._preview(span[0], x, u, p, [length * share for share in looks]):
                 found = _judged(slopes, length)
+                found = replace(
+                    found,
+                    needed=max(found.needed, len(getattr(inputs, "knots", ()))),
+                    many=MANY * max(1.0, self._n / FEW_STATES),
+                )
                 if found.stiff and found.steps > worst.steps:
                     worst = found
         return worst
@@ -161,7 +170,7 @@ def _judged(jacobian: Any, length: float) -> Stiffness:
     """Judge one Jacobian for a run of some length."""
     if not isinstance(jacobian, numpy.ndarray):
         return _of_rates(numpy.array([_dominant(jacobian)]), length)
-    # no eigenvalue exceeds this, and most models are decided by it
+    # no eigenvalue exceeds this; most models are decided by it
     bound = numpy.abs(jacobian).sum(axis=1).max()
     if not math.isfinite(bound) or bound * length <= MANY * REACH:
         return Stiffness(0.0, 0.0, 0.0)

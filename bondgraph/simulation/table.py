@@ -136,6 +136,8 @@ class ModeTable:
     def _begin(self, mask: int | None) -> None:
         """Load a mode, or the integrator, from the cache, or see how far the compiler is with it."""
         what = "the integrator" if mask is None else f"mode {mask} of {self.n} states"
+        if mask in self._builds and not self._builds[mask][1].mine():
+            del self._builds[mask]
         if mask in self._builds:
             wanted, build = self._builds[mask]
             if not build.finished():

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import csv
 import functools
-from collections.abc import Sequence
+import logging
+import math
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -24,6 +26,8 @@ if TYPE_CHECKING:
 
     from .problem import Options, Problem, Solution
     from .smooth import SmoothProblem
+
+log = logging.getLogger(__name__)
 
 Array = numpy.ndarray
 
@@ -201,6 +205,24 @@ class Trajectory:
         values = self.model.signals(mask, names)(*arguments)
         return {name: float(value[0]) for name, value in zip(names, values, strict=True)}
 
+    @functools.cached_property
+    def undefined(self) -> dict[str, float]:
+        """Outputs, states and inputs that are not finite somewhere, and the first such time, s.
+
+        A run whose states are finite has finished, but an output that divides by zero on
+        the way is no result. Times are those reported and the last.
+        """
+        names = tuple(self.columns())
+        found = {
+            name: float(self.t[numpy.argmin(good)])
+            for name, good in zip(names, numpy.isfinite(self._along(names)), strict=True)
+            if not good.all()
+        }
+        for name, value in self.final.items():
+            if not math.isfinite(value):
+                found.setdefault(name, self.t_end)
+        return found
+
     @property
     def modes(self) -> dict[str, Array]:
         """Mode of each contact at all times, as arrays of str."""
@@ -325,10 +347,17 @@ class Trajectory:
         ------
         SimulationError
             For another ending, or a folder that cannot be written.
+
+        Notes
+        -----
+        What is not finite is an empty cell in CSV, NaN in netCDF, and logged as a warning.
         """
         path = Path(path)
         if path.suffix not in (".csv", ".nc"):
             raise SimulationError(f"cannot write {path.name!r}: use the ending .csv or .nc")
+        lost = [name for name in self.undefined if names is None or name in names]
+        if lost:
+            log.warning("%s: %s", path, self.undefined_words(lost))
         try:
             if path.suffix == ".nc":
                 self.to_xarray(names).to_netcdf(path)
@@ -337,6 +366,13 @@ class Trajectory:
         except OSError as error:
             raise SimulationError(f"cannot write {path}: {error.strerror or error}") from None
         return path
+
+    def undefined_words(self, names: Iterable[str] | None = None) -> str:
+        """Say which signals are not finite; empty where all are."""
+        some = self.undefined if names is None else names
+        return "; ".join(
+            f"{name} is not finite at t = {self.undefined[name]:.9g} s" for name in some
+        )
 
     def _write_csv(self, path: Path, names: tuple[str, ...] | None) -> None:
         columns = self.columns(names)
@@ -351,15 +387,17 @@ class Trajectory:
                 ]
             )
             writer.writerows(
-                [repr(float(v)) for v in row] for row in zip(self.t, *columns.values(), strict=True)
+                [repr(float(v)) if math.isfinite(v) else "" for v in row]
+                for row in zip(self.t, *columns.values(), strict=True)
             )
 
     def _along(self, names: tuple[str, ...]) -> Array:
         """Evaluate signals at all times, sample by sample in the equations of its own mode."""
         self._check(names)
         out = numpy.empty((len(names), len(self.t)))
-        for mask, (here, arguments) in self._by_mode.items():
-            out[:, here] = self.model.signals(mask, names)(*arguments)
+        with numpy.errstate(all="ignore"):  # what is not finite is told by `undefined`
+            for mask, (here, arguments) in self._by_mode.items():
+                out[:, here] = self.model.signals(mask, names)(*arguments)
         return out
 
     @functools.cached_property

@@ -8,18 +8,22 @@ result in words.
 from .assess import StabilityResult, assess
 from .edges import Edge
 from .locus import Gap, Locus, trace
+from .maps import EigenvalueMap, PointOutcome, eigenvalue_map
 from .modal import Mode, modal_table
 from .vary import Vary
 from .verdict import verdict
 
 __all__ = [
     "Edge",
+    "EigenvalueMap",
     "Gap",
     "Locus",
     "Mode",
+    "PointOutcome",
     "StabilityResult",
     "Vary",
     "assess",
+    "eigenvalue_map",
     "modal_table",
     "trace",
     "verdict",

@@ -103,6 +103,7 @@ def ours(brake: oracle.Brake) -> Contestant:
     from bondgraph.models import bicycle_brake
 
     model, times = CompiledModel(bicycle_brake.graph()), grid()
+    model.compile()
     parameters = oracle.parameters(brake)
 
     def run() -> Any:

@@ -12,7 +12,9 @@ import textwrap
 import pytest
 from click.testing import CliRunner
 
+from bondgraph import Samples, simulate
 from bondgraph.cli import main
+from bondgraph.models import quarter_car
 from tests.oracles import brake as oracle
 
 FIG9 = ["--set", "mu_s=.5", "--set", "tau=.06", "--set", "v_s=.2"]
@@ -109,6 +111,18 @@ def test_simulate_writes_files(tmp_path):
     assert (tmp_path / "run.png").stat().st_size > 5000
 
 
+@pytest.mark.parametrize("hold", ["zero", "linear", "band"])
+def test_simulate_takes_the_hold_after_the_file(tmp_path, hold):
+    road = tmp_path / "a:b.csv"
+    road.write_text("time [s],v_road [m/s]\n" + "".join(f"{i / 50},{i % 3}\n" for i in range(40)))
+    words = ("simulate", "quarter_car", "--until", "0.5", "--json", "--input")
+    run = read(*words, f"v_road={road}:{hold}")
+    given = Samples.read(road, "v_road", "m/s", hold)
+    direct = simulate(quarter_car.graph(), 0.5, inputs={"v_road": given})
+    assert run["final"] == pytest.approx(direct.final, rel=1e-12)
+    assert run["solver"]["name"] == "dopri5" and "not stiff" in run["solver"]["reason"]
+
+
 def test_simulate_reads_inputs(tmp_path):
     road = tmp_path / "road.csv"
     road.write_text("# a bump\ntime [ms],v_road [mm/s]\n0,0\n50,100\n100,0\n")
@@ -156,6 +170,7 @@ BAD = [
     (["simulate", "bicycle_brake", "--until", "0.1", "--rtol", "-1"], "rtol"),
     (["simulate", "bicycle_brake", "--until", "0.1", "--initial", "z=1"], "not known"),
     (["simulate", "bicycle_brake", "--until", "0.1", "--input", "u=1"], "input 'u'"),
+    (["simulate", "quarter_car", "--until", "1", "--input", "v_road=a.csv:cubic"], "zero, linear"),
     (["simulate", "bicycle_brake", "--until", "0.1", "--out", "run.xls"], "ending"),
     (["simulate", "bicycle_brake"], "until"),
     (["simulate", "bicycle_brak", "--until", "1"], "did you mean bicycle_brake"),

@@ -101,6 +101,11 @@ def test_native_waits_and_vm_does_not_compile(model, folder):
     assert simulate(model, 2, backend="native").backend == "native"
 
 
+def test_rows_are_not_copied(model):
+    run = simulate(model, 2, backend="native")
+    assert run.x.base is run.t.base is not None
+
+
 def test_a_budget_holds_over_both_ways(model, slow):
     began = time.monotonic()
     run = simulate(model, 1e7, t_eval=[0.0], time_budget=0.3)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+import sympy
 from scipy.linalg import expm
 
 from bondgraph import C, CompiledModel, I, One, R, Se, Sf, Zero, assemble, models, simulate
@@ -117,3 +118,16 @@ def test_a_model_that_becomes_stiff_names_the_solver_that_would_go_on():
 def test_a_source_without_states_is_explicit():
     graph = assemble("none", Sf("f", 1) >> Zero("z") >> R("r", 1))
     assert simulate(graph, 1.0).solver == "dopri5"
+
+
+def test_many_states_and_many_knots_raise_the_price_of_an_implicit_solver():
+    drive = sympy.Symbol("u")
+    graph = assemble("rc", Se("E", drive) >> One("v") >> (R("r", 1), C("c", 1e-5)), inputs=[drive])
+    few = {drive: ([0, 1], [0, 1])}
+    many = {drive: (np.linspace(0, 1, 30_001), np.linspace(0, 1, 30_001))}
+    assert simulate(graph, 1.0, inputs=few).solver == "rosenbrock"
+    assert simulate(graph, 1.0, inputs=many).solver == "dopri5"
+    for size, stiff in ((20, True), (60, False)):
+        model = CompiledModel(ladder([2e-5] * size))
+        found = model.stiffness((0.0, 0.5), np.zeros(size), np.zeros(0), NONE)
+        assert found.stiff == stiff

@@ -25,6 +25,12 @@ Array = numpy.ndarray
 BLOCK = 100  # output times a call: the clock is looked at in between
 FEWEST = 4  # with less, a call for each output time is cheaper than another integrator
 PATTERNS = 64
+# A call cannot be broken off: its steps are bounded by those that fit into the seconds left, which
+# are exceeded by what one step less or more costs, and by one that takes longer than the last.
+PACE, FASTEST = 3e-5, 1e-6
+SCARCE = 8  # steps an output time below which output times are reached one by one
+# CasADi's SUNDIALS interfaces take output times within 1e-9 of each other for one.
+CLOSEST = 2e-9
 STEPS = 5000  # between two output times, before a stretch is halved
 STALL = 1e-11  # share of a run: where it takes more steps than STEPS, the run gets nowhere
 BOUND = 1e100
@@ -75,6 +81,7 @@ class March:
         self._sizes = sizes
         self._folds = Folds(functions, p)
         self._began = time.monotonic()
+        self._pace = PACE * (1 + functions.n + functions.nz)  # s a step, till it is known
         self.t = self._start = self._stall = 0.0
         self.x, self.z, self.work = x, z, numpy.zeros(2)
         self.steps = 0
@@ -140,12 +147,17 @@ class March:
         if len(block) < FEWEST or self._plugin.built >= PATTERNS:
             return False
         length = block[-1] - self.t
+        limit = self._steps_left() // len(block)
+        if limit < STEPS:
+            limit = 1 << max(int(limit).bit_length() - 1, 0)  # few integrators serve all
+        if limit < SCARCE:
+            return False
         shares = [round((target - self.t) / length, 14) for target in block[:-1]]
         pattern = (*shares, 1.0)
-        if numpy.diff((0.0, *pattern)).min() <= 0:
+        if numpy.diff((0.0, *pattern)).min() <= CLOSEST:
             return False
         try:
-            got, z = self._stretch(part, pattern, numpy.array(block))
+            got, z = self._stretch(part, pattern, numpy.array(block), limit)
         except Failed as failure:
             self.steps += failure.steps
             self._check()
@@ -166,7 +178,10 @@ class March:
             whole = step >= target - self.t
             end = target if whole else self.t + step
             try:
-                got, z = self._stretch(part, (1.0,), numpy.array([end]))
+                limit = max(min(self._steps_left(), STEPS), SCARCE)
+                if limit < STEPS:
+                    limit = 1 << (limit.bit_length() - 1)
+                got, z = self._stretch(part, (1.0,), numpy.array([end]), limit)
             except Failed as failure:
                 self.steps += failure.steps
                 step = (end - self.t) / (2 if failure.work else 4)
@@ -180,11 +195,34 @@ class March:
             if got.steps < STEPS / 2:
                 step *= 2
 
+    def _steps_left(self) -> int:
+        """Steps that the limits leave, of which one counts those that fit into the seconds left."""
+        seconds = self._options.time_budget - (time.monotonic() - self._began)
+        fitting = min(max(seconds, 0.0) / self._pace, self._options.max_steps)
+        return int(max(min(fitting, self._options.max_steps - self.steps), 1))
+
     def _stretch(
-        self, part: Piece, pattern: tuple[float, ...], times: Array
+        self, part: Piece, pattern: tuple[float, ...], times: Array, limit: int = STEPS
     ) -> tuple[Stretch, Array]:
         """Integrate over a stretch and check what came out, or raise Failed."""
-        got = self._plugin(
+        entered = time.monotonic()
+        try:
+            got = self._call(part, pattern, times, min(limit, STEPS))
+        except Failed as failure:
+            self._timed(failure.steps, entered)
+            raise
+        self._timed(got.steps, entered)
+        if numpy.abs(got.x).max(initial=0.0) > BOUND:
+            raise Failed(got.steps)
+        return got, self._consistent(part, times, got)
+
+    def _timed(self, steps: int, entered: float) -> None:
+        """Learn from a call how long a step takes."""
+        if steps >= SCARCE:
+            self._pace = max((time.monotonic() - entered) / steps, FASTEST)
+
+    def _call(self, part: Piece, pattern: tuple[float, ...], times: Array, limit: int) -> Stretch:
+        return self._plugin(
             pattern,
             (self.t, float(times[-1]) - self.t),
             self.x,
@@ -192,11 +230,8 @@ class March:
             part.since(self.t),
             self._p,
             (self._sizes.x, self._sizes.z),
-            min(STEPS, max(self._options.max_steps - self.steps, 1)),
+            min(limit, max(self._options.max_steps - self.steps, 1)),
         )
-        if numpy.abs(got.x).max(initial=0.0) > BOUND:
-            raise Failed(got.steps)
-        return got, self._consistent(part, times, got)
 
     def _consistent(self, part: Piece, times: Array, got: Stretch) -> Array:
         if not self._functions.nz:

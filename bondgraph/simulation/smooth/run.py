@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy
 
 from ...errors import SimulationError
-from ..inputs import at
+from ..inputs import Functions, at
 from ..outcome import Outcome
 from ..problem import InputTable, Options
 from .functions import SmoothFunctions, solve_algebraic
@@ -24,6 +24,8 @@ Array = numpy.ndarray
 RUNS = 4
 # Times at which sources are looked at for the size of what they drive.
 PROBES = 17
+# Of the run's tolerance, and the least: how near cubics follow inputs that are functions of time.
+SHARE, FINEST = 0.1, 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,19 +86,23 @@ class SmoothSolution:
     steps: int
 
 
-def tabled(inputs: InputTable | Callable[[float], Array], solver: str) -> InputTable:
-    """Return inputs that are a table; refuse a function of time.
+def tabled(
+    inputs: InputTable | Callable[[float], Array], span: tuple[float, float], rtol: float
+) -> InputTable:
+    """Return inputs as a table; functions of time are followed within a tenth of `rtol`.
 
     Raises
     ------
     SimulationError
+        For a function that cannot be followed.
     """
     if isinstance(inputs, InputTable):
         return inputs
+    if isinstance(inputs, Functions):
+        return inputs.table(span, max(SHARE * rtol, FINEST))
     raise SimulationError(
-        f"solver {solver!r} takes no input that is a Python function: its error control would rest "
-        f"on samples taken of it; give Samples(times, values), or write the source as an "
-        f"expression of time"
+        "an input that is a Python function has to come with its name; give Samples(times, values), "
+        "or write the source as an expression of time"
     )
 
 

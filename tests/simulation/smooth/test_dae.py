@@ -316,9 +316,21 @@ class TestInputs:
         assert charge > 1e-5
         assert run["c.q"][-1] == pytest.approx(charge, rel=1e-6)
 
-    def test_functions_are_refused_with_the_way_out(self):
-        with pytest.raises(SimulationError, match="Samples"):
-            simulate(charging(U), 1, inputs={"U": math.sin})
+    def test_functions_that_jump_are_refused_with_the_way_out(self):
+        with pytest.raises(SimulationError, match=r"'U'.*t = 0\.4.*Samples"):
+            simulate(charging(U), 1, inputs={"U": lambda t: float(t > 0.4)})
+
+    @pytest.mark.parametrize("solver", IMPLICIT)
+    def test_functions_are_followed(self, solver):
+        times = np.linspace(0, 3, 31)
+        run = simulate(
+            charging(U), 3.0, inputs={"U": math.sin}, t_eval=times, rtol=1e-8, solver=solver
+        )
+        (charge,) = radau(
+            lambda t, q: [cubic_inverse(math.sin(t) - q[0] / 0.5)], (0, 3), [0], times
+        )
+        assert np.abs(run["c.q"] - charge).max() < 1e-8
+        assert np.abs(run["U"] - np.sin(times)).max() < 1e-9
 
     def test_times_that_do_not_start_at_zero(self):
         graph = charging(sympy.sin(TIME))
