@@ -180,6 +180,10 @@ class _Work:
             pool = pool_for(executor, self.model, self.job, token, workers)
             first = pool or Here(self.model, self.job)
             stack.callback(first.close)
+            if pool is not None and chunks is not None:  # nothing is to be found out
+                self.told = pool.words
+                carried_out(pool, self.columns, [(i, *chunks[i]) for i in rest], self._done)
+                return self._in_order(chunks)
             start, stop = chunks[rest[0]] if chunks else (0, min(self.count, PILOT))
             block, seconds = _pilot(first, self.columns, start, stop)
             if chunks is None:
