@@ -184,7 +184,7 @@ def _line(error: BaseException, path: Path) -> str:
 
 def _path_and_hold(text: str) -> tuple[str, str]:
     """Take a known word after the last colon for the hold; a path may hold colons of its own."""
-    from bondgraph.simulation.samples import HOLDS
+    from bondgraph.simulation.inputs import HOLDS
 
     path, colon, hold = text.rpartition(":")
     if colon and path.endswith(".csv"):

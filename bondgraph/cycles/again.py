@@ -7,9 +7,7 @@ from typing import Any
 import numpy
 
 from ..simulation import Samples, Trajectory, simulate
-from ..simulation.inputs import at
-from ..simulation.problem import InputTable
-from ..simulation.samples import HOLDS
+from ..simulation.inputs import HOLDS, InputTable, at
 
 Array = numpy.ndarray
 

@@ -13,9 +13,9 @@ elements, on the same stepper. ``smooth/`` is for stiff models and DAEs, by CasA
 
 from .compiled import CompiledModel
 from .forward import Sensitivities, sensitivities
+from .inputs import Samples
 from .outcome import Outcome
 from .run import simulate
-from .samples import Samples
 from .trajectory import Energy, Event, Trajectory
 
 __all__ = [

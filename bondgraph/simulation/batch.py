@@ -16,10 +16,10 @@ from ..parameters import unknown_name
 from ..values import algebraic_names, parameter_values
 from .compiled import CompiledModel
 from .ends import Ends, gathered
-from .inputs import at, gather
-from .native import BATCH_DONE, OUTCOMES, PAUSED, NativeRun
+from .inputs import InputTable, at, gather
+from .native.run import BATCH_DONE, OUTCOMES, PAUSED, NativeRun
 from .outcome import Outcome
-from .problem import InputTable, Options, Problem
+from .problem import Options, Problem
 from .run import measured, simulate
 from .solvers import EXPLICIT, Start, choose
 

@@ -18,8 +18,8 @@ import numpy as np
 
 from ..errors import SimulationError
 from .buffered import evaluator
-from .compiler import CompileError
-from .native import NativeRun, NotYet
+from .native import CompileError
+from .native.run import NativeRun, NotYet
 from .outcome import Outcome
 from .problem import Event, EventLog, Options, Problem, Solution
 from .stepper import Stepper

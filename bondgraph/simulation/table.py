@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from ..errors import SimulationError
-from .builds import Build
-from .compiler import (
+from .native import (
+    Build,
     CompileError,
     NativeMode,
     Wanted,

@@ -13,7 +13,8 @@ import pytest
 
 from bondgraph import CompiledModel, simulate
 from bondgraph.models import mass_on_belt
-from bondgraph.simulation import compiler, hybrid, table
+from bondgraph.simulation import hybrid, table
+from bondgraph.simulation.native import compiler
 
 pytestmark = pytest.mark.skipif(not compiler.find_compiler(), reason="no compiler")
 GRID = np.linspace(0, 40, 401)

@@ -14,8 +14,8 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from bondgraph.errors import SimulationError
-from bondgraph.simulation import compiler
 from bondgraph.simulation.hybrid import integrate
+from bondgraph.simulation.native import compiler
 from bondgraph.simulation.outcome import Outcome
 from bondgraph.simulation.problem import InputTable, Options, Problem
 from bondgraph.simulation.table import ModeFunctions, ModeTable

@@ -32,8 +32,8 @@ from bondgraph import (
     simulate,
 )
 from bondgraph.cli import main
-from bondgraph.simulation import compiler
 from bondgraph.simulation.chatter import reverses
+from bondgraph.simulation.native import compiler
 from tests.simulation.stiff import rates
 
 BUDGET = 20.0

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy
 
-from ..problem import InputTable
+from ..inputs import InputTable
 from .tangents import TangentTable
 from .value import AMBIGUOUS, GRAZING, NON_FINITE, Array, Projection, Replayed, Travelled, Undefined
 

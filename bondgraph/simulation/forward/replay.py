@@ -11,7 +11,7 @@ from collections.abc import Callable
 
 import numpy
 
-from ..problem import InputTable
+from ..inputs import InputTable
 from ..stepper import EPSILON, TINY, A, B, C, D, _weighted
 from .tangents import Entries, TangentTable
 from .value import AMBIGUOUS, GRAZING, NON_FINITE, Array, Projection, Replayed, Travelled, Undefined

@@ -12,8 +12,8 @@ import numpy
 
 from ...errors import SimulationError
 from ..compiled import CompiledModel
-from ..compiler import CompileError
 from ..inputs import at
+from ..native import CompileError
 from ..run import carried_out
 from .model import ForwardModel
 from .native import NativeReplay

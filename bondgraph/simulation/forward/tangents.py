@@ -16,7 +16,7 @@ import numpy
 
 from ...errors import SimulationError
 from ..buffered import evaluator
-from ..compiler import LARGE_FLAGS, LARGE_SOURCE, load_shared
+from ..native.compiler import LARGE_FLAGS, LARGE_SOURCE, load_shared
 from ..table import ModeTable, is_casadi
 
 if TYPE_CHECKING:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy
 
 from ...errors import SimulationError
-from ..problem import InputTable
+from ..inputs import InputTable
 
 Array = numpy.ndarray
 Projection = Callable[[float, Array, Array, Array, Array], Array]

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy
 
-from ..problem import SEAM, InputTable
+from ..inputs.table import SEAM, InputTable
 
 Array = numpy.ndarray
 # Rows of a run without output times: equal intervals over its span, and intervals that double from

@@ -9,9 +9,9 @@ from dataclasses import dataclass, replace
 import numpy
 
 from ...errors import SimulationError
-from ..inputs import Functions, at
+from ..inputs import Functions, InputTable, at
 from ..outcome import Outcome
-from ..problem import InputTable, Options
+from ..problem import Options
 from .functions import SmoothFunctions, solve_algebraic
 from .march import March
 from .pieces import own_grid, pieces

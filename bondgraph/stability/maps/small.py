@@ -9,7 +9,7 @@ from importlib import resources
 
 import numpy
 
-from ...simulation.compiler import CompileError, load_shared
+from ...simulation.native import CompileError, load_shared
 
 Array = numpy.ndarray
 

@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 from bondgraph.errors import SimulationError
-from bondgraph.simulation import compiler
 from bondgraph.simulation.forward.native import NativeReplay
 from bondgraph.simulation.forward.project import Projector
 from bondgraph.simulation.forward.replay import PythonReplay
@@ -17,6 +16,7 @@ from bondgraph.simulation.forward.tangents import TangentTable
 from bondgraph.simulation.forward.value import Travelled, Undefined
 from bondgraph.simulation.hybrid import integrate
 from bondgraph.simulation.inputs import at
+from bondgraph.simulation.native import compiler
 from bondgraph.simulation.problem import InputTable, Options, Problem
 from bondgraph.simulation.table import ModeFunctions, ModeTable
 

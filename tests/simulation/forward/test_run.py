@@ -25,7 +25,7 @@ from bondgraph import (
 )
 from bondgraph.errors import ParameterError, SimulationError
 from bondgraph.models import bicycle_brake, frame_brake, mass_on_belt, quarter_car
-from bondgraph.simulation import compiler
+from bondgraph.simulation.native import compiler
 from tests.differences import STEPS, differences
 
 BACKENDS = ["native", "vm"] if compiler.find_compiler() else ["vm"]

@@ -3,7 +3,7 @@
 import numpy
 import pytest
 
-from bondgraph.simulation.compiler import find_compiler
+from bondgraph.simulation.native import find_compiler
 from bondgraph.stability.maps.eigen import diagonal_blocks, eigenvalues, falling
 from bondgraph.stability.maps.small import eigvals
 

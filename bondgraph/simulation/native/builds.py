@@ -18,7 +18,7 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-from ..errors import BondGraphError
+from ...errors import BondGraphError
 from .cache import FRESH, load_kept, remove
 
 log = logging.getLogger(__name__)

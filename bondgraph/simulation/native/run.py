@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 
+from ..outcome import Outcome
+from ..problem import Options, Problem
 from .compiler import KERNEL
-from .outcome import Outcome
-from .problem import Options, Problem
 
 LONGEST_PAUSE = 0.05  # s between two looks at the clock and at Ctrl-C
 

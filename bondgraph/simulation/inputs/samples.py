@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy
 
-from ..errors import ParameterError
-from ..units import to_si
+from ...errors import ParameterError
+from ...units import to_si
 from .curves import Curve, band_limited
 
 HOLDS = {"zero": 0, "linear": 1, "band": 2}
@@ -30,7 +30,7 @@ class Samples:
         SI units.
     hold : {"linear", "zero", "band"}
         Straight lines, steps at each sample, or the band-limited signal through
-        uniform samples (`bondgraph.simulation.curves.band_limited` says how near).
+        uniform samples (`curves.band_limited` says how near).
         Outside the samples the first and last value hold.
     curve : Curve or None
         Where hold is "band".

@@ -15,7 +15,7 @@ from pathlib import Path
 import casadi as ca
 import pytest
 
-from bondgraph.simulation import builds, cache, compiler
+from bondgraph.simulation.native import builds, cache, compiler
 
 pytestmark = pytest.mark.skipif(not compiler.find_compiler(), reason="no compiler")
 SOURCE = "double twice(double x) { return 2 * x; }\n"
@@ -93,7 +93,7 @@ def test_many_writers_do_no_harm(folder):
 
 def test_processes_that_want_the_same_all_get_it(folder):
     code = (
-        "from bondgraph.simulation.compiler import load_shared;"
+        "from bondgraph.simulation.native import load_shared;"
         f"assert load_shared({SOURCE!r}, 'twice').twice"
     )
     running = [
@@ -113,7 +113,7 @@ def test_threads_share_one_build(folder):
 
 def test_a_process_that_ends_leaves_the_object_to_the_next(folder):
     code = (
-        "from bondgraph.simulation.compiler import Wanted;"
+        "from bondgraph.simulation.native import Wanted;"
         f"Wanted('twice', ({SOURCE!r},), lambda: ({SOURCE!r}, ())).behind()"
     )
     began = time.monotonic()

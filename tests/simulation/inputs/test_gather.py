@@ -11,7 +11,7 @@ import sympy
 
 from bondgraph import C, Diode, I, One, R, Samples, Se, Sf, Zero, assemble, simulate
 from bondgraph.errors import ParameterError
-from bondgraph.simulation import compiler
+from bondgraph.simulation.native import compiler
 from bondgraph.simulation.problem import InputTable
 
 U = sympy.Symbol("u")

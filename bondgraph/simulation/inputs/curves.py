@@ -17,7 +17,7 @@ from dataclasses import dataclass
 
 import numpy
 
-from ..errors import ParameterError, SimulationError
+from ...errors import ParameterError, SimulationError
 
 Array = numpy.ndarray
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from bondgraph.errors import ParameterError, SimulationError
-from bondgraph.simulation.curves import TAPS, band_limited, fitted, rate
+from bondgraph.simulation.inputs.curves import TAPS, band_limited, fitted, rate
 
 TIMES = 0.01 * np.arange(300)
 FINE = np.linspace(TIMES[0], TIMES[-1], 20_011)

@@ -10,12 +10,12 @@ from typing import Any
 
 import numpy
 
-from ..equations import Equations
-from ..errors import ParameterError
-from ..parameters import unknown_name
+from ...equations import Equations
+from ...errors import ParameterError
+from ...parameters import unknown_name
 from .curves import Curve, fitted, rate
-from .problem import InputTable
 from .samples import HOLDS, Samples
+from .table import InputTable
 
 
 def at(
