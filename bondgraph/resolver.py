@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any, NamedTuple
 
 import sympy
@@ -112,6 +112,58 @@ class Resolver:
         for step in plan.steps:
             values[step.name] = self._admissible(step.name, _number(step, values))
         return values
+
+    def along(
+        self, fixed: Mapping[Any, Any], names: Iterable[str], *, partial: bool = False
+    ) -> Callable[[Iterable[float]], dict[str, float]]:
+        """Return a function from values of some parameters, in SI, to all.
+
+        Parameters
+        ----------
+        fixed : mapping
+            Overrides that stay the same; those of `names` do not count.
+        names : iterable of str
+        partial : bool
+
+        Returns
+        -------
+        callable
+
+        Raises
+        ------
+        ParameterError
+            For what is wrong whatever the values are. The function raises for values.
+
+        Examples
+        --------
+        >>> k, m = sympy.symbols("k m", positive=True)
+        >>> values = Resolver({k: Parameter(8.0), m: Parameter(k / 2)}).along({}, ["k"])
+        >>> values([4.0]), values([2.0])["m"]
+        ({'k': 4.0, 'm': 2.0}, 1.0)
+        """
+        moving = tuple(names)
+        given = self._given({name: math.nan for name in moving})
+        held = {name: v for name, v in self._given(fixed).items() if name not in given}
+        plan = self._plan(frozenset((*given, *held)), partial)
+        base, open_names, steps = plan.values.copy(), set(moving), []
+        for name, number in held.items():
+            base[name] = self._admissible(name, number)
+        for step in plan.steps:
+            if open_names.intersection(step.arguments):
+                open_names.add(step.name)
+                steps.append(step)
+            else:
+                base[step.name] = self._admissible(step.name, _number(step, base))
+
+        def resolved(numbers: Iterable[float]) -> dict[str, float]:
+            values = base.copy()
+            for name, number in zip(moving, numbers, strict=True):
+                values[name] = self._admissible(name, number)
+            for step in steps:
+                values[step.name] = self._admissible(step.name, _number(step, values))
+            return values
+
+        return resolved
 
     def _given(self, overrides: Mapping[Any, Any]) -> dict[str, float]:
         given = {}

@@ -47,13 +47,28 @@ def parameter_values(
     100.0
     """
     values = (resolver or Resolver(equations.graph.parameters))(overrides, partial=True)
+    require(equations, values)
+    return values
+
+
+def require(equations: Equations, values: Mapping[str, float]) -> None:
+    """Raise ParameterError unless all that the equations use has a value.
+
+    Examples
+    --------
+    >>> from bondgraph import derive
+    >>> from bondgraph.models import mass_on_belt
+    >>> require(derive(mass_on_belt.graph()), {"m": 1.0})
+    Traceback (most recent call last):
+        ...
+    bondgraph.errors.ParameterError: model 'mass_on_belt' needs a value for ...
+    """
     missing = [symbol.name for symbol in equations.parameters if symbol.name not in values]
     if missing:
         raise ParameterError(
             f"model {equations.name!r} needs a value for {', '.join(missing)}; "
             f"give it in parameters={{...}}, or in assemble(..., parameters=...)"
         )
-    return values
 
 
 def initial_values(

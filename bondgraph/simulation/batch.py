@@ -6,22 +6,20 @@ import ctypes
 import math
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy
 
-from ..errors import BondGraphError, SimulationError
-from ..parameters import unknown_name
-from ..values import algebraic_names, parameter_values
+from ..errors import BondGraphError
 from .compiled import CompiledModel
 from .ends import Ends, gathered
 from .inputs import InputTable, at, gather
 from .native.run import BATCH_DONE, OUTCOMES, PAUSED, NativeRun
 from .outcome import Outcome
 from .problem import Options, Problem
-from .run import measured, simulate
-from .solvers import EXPLICIT, Start, choose
+from .run import simulate
+from .solvers import EXPLICIT, choose
+from .starts import Columns, Starts, at_point, count_of, sorted_columns, starts_of
 
 Array = numpy.ndarray
 
@@ -90,54 +88,18 @@ def run_many(
         "max_steps": max_steps,
         "time_budget": time_budget,
     }
-    columns = _columns(model, points)
+    columns = sorted_columns(model, points)
     shared = dict(parameters or {}), dict(initial or {}), dict(inputs or {})
     table = gather(model.equations, shared[2], switched=model.switched)
     explicit = choose(model, solver, backend).solver == EXPLICIT and not model.switched
     wanted = explicit and backend != "vm" and model.modes.compiled()
     if wanted and isinstance(table, InputTable) and not (columns[2] and len(table.knots) > 1):
-        starts = _starts(model, span, columns, (*shared, table))
+        starts = starts_of(model, span, columns, (*shared, table))
         if solver == EXPLICIT or starts.explicit:
             options = Options(**limits, t_eval=numpy.zeros(0))
             return _native(model, span, starts, table, options, stop)
     limits |= {"solver": solver, "backend": backend}
     return _one_by_one(model, span, columns, shared, limits, stop)
-
-
-Columns = tuple[dict[str, Array], dict[str, Array], dict[str, Array]]
-
-
-def _columns(model: CompiledModel, points: Mapping[str, Any]) -> Columns:
-    """Sort what differs from run to run into parameters, initial values and inputs."""
-    equations = model.equations
-    names = {symbol.name for symbol in equations.graph.parameters}
-    inputs = {symbol.name for symbol in equations.graph.inputs}
-    states = {symbol.name for symbol in equations.states} | set(equations.outputs)
-    states |= algebraic_names(equations)
-    found: Columns = ({}, {}, {})
-    lengths = set()
-    for name, values in points.items():
-        column = numpy.asarray(values, dtype=float)
-        if column.ndim != 1:
-            raise SimulationError(f"the values of {name!r} must be one row, not {column.shape}")
-        lengths.add(len(column))
-        place = 0 if name in names else 2 if name in inputs else 1
-        if place == 1 and name not in states:
-            raise unknown_name("parameter, state or input", name, sorted(names | states | inputs))
-        found[place][name] = column
-    if len(lengths) != 1:
-        raise SimulationError(
-            f"each point needs a value of every name; there are columns of {sorted(lengths)} values"
-        )
-    return found
-
-
-def _count(columns: Columns) -> int:
-    return len(next(column for part in columns for column in part.values()))
-
-
-def _at(columns: Mapping[str, Array], point: int) -> dict[str, float]:
-    return {name: float(column[point]) for name, column in columns.items()}
 
 
 # ---------------------------------------------------------------------- one after the other
@@ -152,10 +114,10 @@ def _one_by_one(
     stop: Callable[[], bool] | None,
 ) -> Ends:
     runs: list[Any] = []
-    for point in range(_count(columns)):
+    for point in range(count_of(columns)):
         if stop is not None and stop():
             raise KeyboardInterrupt
-        given, initial, inputs = (shared[i] | _at(columns[i], point) for i in range(3))
+        given, initial, inputs = (shared[i] | at_point(columns[i], point) for i in range(3))
         try:
             runs.append(simulate(model, t_span, given, initial, inputs, t_eval=[], **limits))
         except BondGraphError as error:
@@ -180,72 +142,10 @@ class _Batch(ctypes.Structure):
     )
 
 
-@dataclass(frozen=True, eq=False)
-class _Starts:
-    """Where the accepted runs begin, one row each, and why others cannot."""
-
-    accepted: Array
-    refusals: dict[int, str]
-    p: Array
-    x0: Array
-    weights: Array
-    energy0: Array
-    u: Array  # no rows where all runs share their inputs
-    tells: bool  # whether the stored energy is known
-    explicit: bool  # whether none of them is stiff
-
-
-def _starts(
-    model: CompiledModel,
-    span: tuple[float, float],
-    columns: Columns,
-    shared: tuple[dict[Any, Any], dict[Any, Any], dict[Any, Any], InputTable],
-) -> _Starts:
-    names = [symbol.name for symbol in model.equations.parameters]
-    own_inputs = [symbol.name for symbol in model.equations.inputs]
-    accepted, refusals, rows, u_rows, tells, explicit = [], {}, [], [], True, True
-    for point in range(_count(columns)):
-        try:
-            given = shared[0] | _at(columns[0], point)
-            values = parameter_values(model.equations, given, model.resolver)
-            x0 = numpy.array(model.initial_state(values, shared[1] | _at(columns[1], point)))
-        except BondGraphError as error:
-            refusals[point] = str(error)
-            continue
-        p = numpy.array([values[name] for name in names])
-        table = shared[3]
-        if columns[2]:
-            u = table.values[0].copy()
-            for name, value in _at(columns[2], point).items():
-                u[own_inputs.index(name)] = value
-            if not numpy.isfinite(u).all():
-                refusals[point] = "an input is not finite"
-                continue
-            u_rows.append(u)
-            table = InputTable(table.knots, u[None], table.hold)
-        choice = choose(model, "auto", "auto", Start(span, x0, p, table))
-        explicit = explicit and choice.solver == EXPLICIT
-        energy, weights = measured(model, span[0], x0, table, p)
-        tells = tells and energy is not None
-        accepted.append(point)
-        rows.append((p, x0, weights, energy or 0.0))
-    parts: list[Any] = list(zip(*rows, strict=True)) if rows else [[], [], [], []]
-    sizes = len(names), len(model.equations.states), len(model.equations.states)
-    p, x0, weights = (
-        numpy.array(part, dtype=float).reshape(len(rows), size)
-        for part, size in zip(parts[:3], sizes, strict=True)
-    )
-    energy0 = numpy.array(parts[3], dtype=float)
-    u = numpy.array(u_rows, dtype=float).reshape(len(u_rows), len(own_inputs))
-    return _Starts(
-        numpy.array(accepted, int), refusals, p, x0, weights, energy0, u, tells, explicit
-    )
-
-
 def _native(
     model: CompiledModel,
     t_span: tuple[float, float],
-    starts: _Starts,
+    starts: Starts,
     table: InputTable,
     options: Options,
     stop: Callable[[], bool] | None,
@@ -299,7 +199,7 @@ def _loop(
 
 
 def _ends(
-    model: CompiledModel, starts: _Starts, kept: Mapping[str, Array], table: InputTable
+    model: CompiledModel, starts: Starts, kept: Mapping[str, Array], table: InputTable
 ) -> Ends:
     """Put the accepted runs among those refused."""
     size = len(starts.accepted) + len(starts.refusals)
@@ -314,10 +214,10 @@ def _ends(
     supplied, dissipated = kept["x_end"][:, n], kept["x_end"][:, n + 1]
     stored = numpy.full(len(rows), math.nan)
     if starts.tells:
-        for i in range(len(rows)):
-            here = InputTable(numpy.zeros(1), u[i][None], numpy.zeros(u.shape[1]))
-            energy, _ = measured(model, kept["t_end"][i], kept["x_end"][i, :n], here, starts.p[i])
-            stored[i] = math.nan if energy is None else energy - starts.energy0[i]
+        ones = numpy.ones(len(model.equations.contacts))
+        arguments = zip(kept["t_end"].tolist(), kept["x_end"][:, :n], u, starts.p, strict=True)
+        stored = numpy.array([model.measures(*given, ones)[-1] for given in arguments])
+        stored -= starts.energy0
     missing = supplied - stored - dissipated
     scale = numpy.max(numpy.abs([supplied, dissipated, stored, starts.energy0]), axis=0)
     with numpy.errstate(invalid="ignore"):  # nothing moved, nothing is missing

@@ -249,6 +249,19 @@ class CompiledModel:
 
         return with_rest
 
+    def measured(self, t: float, x: Array, u: Array, p: Array) -> tuple[float | None, Array]:
+        """Return the stored energy, None where unknown, and each state's scale for unit energy.
+
+        Parameters
+        ----------
+        t : float
+        x, u, p : arrays
+            Algebraic variables follow the states in x.
+        """
+        found = self.measures(t, x, u, p, numpy.ones(len(self.equations.contacts)))
+        slopes, energy = found[:-1], float(found[-1])
+        return None if energy != energy else energy, unit_scales(slopes)
+
     def _slopes(self) -> list[sympy.Expr]:
         """Return the slope of each state's own law; zero for a signal block, which holds no energy."""
         equations = self.equations
@@ -326,6 +339,18 @@ class CompiledModel:
     def _parameters(self) -> tuple[sympy.Symbol, ...]:
         """The parameter vector is the same in all modes."""
         return self.equations.parameters
+
+
+def unit_scales(slopes: Array) -> Array:
+    """Return how large states become for unit energy, from the slopes of their laws; 0 where unknown.
+
+    Examples
+    --------
+    >>> unit_scales(numpy.array([4.0, 0.0])).tolist()
+    [0.5, 0.0]
+    """
+    usable = (slopes > 0) & (slopes < numpy.inf)
+    return numpy.where(usable, 1 / numpy.sqrt(numpy.where(usable, slopes, 1.0)), 0.0)
 
 
 def _letter(element: Storage) -> str:

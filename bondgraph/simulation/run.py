@@ -227,7 +227,7 @@ def _hybrid(
     if model.switched:
         return _searched(model, start, values, table, options)
     model.modes.functions(0)  # first, to say by name what has no numeric form
-    stored, weights = measured(model, span[0], x0, table, p)
+    stored, weights = model.measured(span[0], x0, _at(table, span[0]), p)
     energy = stored or 0.0
     problem = Problem(
         modes=model.modes,
@@ -241,7 +241,8 @@ def _hybrid(
     solution = integrate(problem, options)
     end = None
     if stored is not None:
-        end, _ = measured(model, solution.t_end, solution.x_end, table, p)
+        u = _at(table, solution.t_end)
+        end, _ = model.measured(solution.t_end, solution.x_end, u, p)
     trajectory = _trajectory(model, solution, values, table, _audit(solution, energy, end))
     return _with_steps(trajectory, Kept(problem, options, solution))
 
@@ -310,11 +311,11 @@ def _smooth(
         options=options,
     )
     solution = integrate_smooth(problem)
-    first, _ = measured(model, span[0], numpy.append(x0, problem.z0), table, p)
+    first, _ = model.measured(span[0], numpy.append(x0, problem.z0), u0, p)
     end = None
     if first is not None:
         last = numpy.append(solution.x_end, solution.z_end)
-        end, _ = measured(model, solution.t_end, last, table, p)
+        end, _ = model.measured(solution.t_end, last, _at(table, solution.t_end), p)
     audit = _audit(solution, first or 0.0, end)
     trajectory = _smooth_trajectory(model, solution, values, table, audit, solver)
     return _with_steps(trajectory, Kept(problem, options))
@@ -355,17 +356,8 @@ def _grid(t_eval: Any, span: tuple[float, float]) -> numpy.ndarray | None:
     return grid
 
 
-def measured(
-    model: CompiledModel, t: float, x: numpy.ndarray, table: Any, p: numpy.ndarray
-) -> tuple[float | None, numpy.ndarray]:
-    """Return the stored energy, None where unknown, and each state's scale for unit energy."""
-    u = at(table, numpy.array([t]))[:, 0]
-    found = model.measures(t, x, u, p, numpy.ones(len(model.equations.contacts)))
-    slopes, energy = found[:-1], float(found[-1])
-    weights = numpy.zeros(len(slopes))
-    usable = numpy.isfinite(slopes) & (slopes > 0)
-    weights[usable] = 1 / numpy.sqrt(slopes[usable])
-    return None if math.isnan(energy) else energy, weights
+def _at(table: Any, t: float) -> numpy.ndarray:
+    return at(table, numpy.array([t]))[:, 0]
 
 
 def _audit(solution: Solution | SmoothSolution, start: float, end: float | None) -> Energy:

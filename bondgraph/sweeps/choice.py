@@ -105,10 +105,10 @@ def chunk_size(seconds: float, points: int, workers: int) -> int:
     Examples
     --------
     >>> chunk_size(1e-3, 100_000, 2), chunk_size(10.0, 100, 2), chunk_size(1e-3, 80, 2)
-    (500, 1, 10)
+    (500, 1, 3)
     """
     by_time = int(CHUNK_SECONDS / max(seconds, 1e-9))
-    share = -(-points // (4 * workers))  # that all have work till near the end
+    share = -(-points // (16 * workers))  # that all have work till near the end
     return max(1, min(by_time, share, MOST_POINTS))
 
 
