@@ -15,6 +15,7 @@ from . import options as opt
 if TYPE_CHECKING:
     import xarray
 
+    from bondgraph.graph import BondGraph
     from bondgraph.sweeps import Points, Progress
 
 DESIGNS = ("grid", "uniform", "latin", "sobol")
@@ -35,9 +36,9 @@ EXECUTORS = ("auto", "serial", "threads", "processes")
     "--quantity",
     "quantities",
     multiple=True,
-    required=True,
     metavar="KIND:WHAT",
-    help="What to keep: final:V_c, peak:x_c@0.1, count:friction:stick, ... Repeatable.",
+    help="What to keep: final:V_c, peak:x_c@0.1, count:friction:stick, ... (default: the last "
+    "value of each output, and how often contacts stick). Repeatable.",
 )
 @click.option(
     "--design",
@@ -57,7 +58,7 @@ EXECUTORS = ("auto", "serial", "threads", "processes")
     "files",
     multiple=True,
     metavar="NAME=FILE.csv",
-    help="Input over time, or NAME=VALUE.",
+    help="Input over time, NAME=FILE.csv:zero|linear|band, or NAME=VALUE.",
 )
 @click.option(
     "--solver",
@@ -135,7 +136,7 @@ def sweep(
         found = sweeps.sweep(
             graph,
             points,
-            list(quantities),
+            list(quantities) or _usual(graph),
             t_span=(0.0, end),
             parameters=values,
             initial=initial,
@@ -155,6 +156,14 @@ def sweep(
 
         save(sweep_map(found), plot)
     return _report(found, listener.last, out, plot, as_json)
+
+
+def _usual(graph: BondGraph) -> list[str]:
+    """What is kept where nothing is asked for."""
+    from bondgraph.elements import DryFriction
+
+    sticks = [f"count:{name}:stick" for name, item in graph.of(DryFriction) if item.switches]
+    return [*(f"final:{name}" for name in graph.outputs), *sticks, "energy"]
 
 
 def _points(vary: tuple[str, ...], design: str, count: int | None, seed: int) -> Points:

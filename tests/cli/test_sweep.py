@@ -29,6 +29,12 @@ def test_json_holds_the_contract():
     assert found["resumed"] == 0 and found["written"] == []
 
 
+def test_outputs_and_sticks_are_kept_where_nothing_is_asked_for():
+    found = read("sweep", "mass_on_belt", "--until", "1", *VARY, "--json")
+    asked = {"final:x", "final:v", "count:contact:stick", "energy:residual"}
+    assert asked <= set(found["quantities"])
+
+
 def test_people_get_a_table_and_files(tmp_path):
     plot = tmp_path / "map.png"
     done = call(*BELT, *VARY, "--out", str(tmp_path / "s"), "--plot", str(plot))
