@@ -91,7 +91,7 @@ def report(rounds: int, everything: bool) -> Report:
     ]
     if (os.cpu_count() or 1) > 1:
         limits.append(Limit("2 workers' rate over 1 worker's", one[1] / two[1], 1.8, True))
-        limits.append(Limit("2 workers' rate over 2 strangers'", apart[1] / two[1], 0.95, True))
+        limits.append(Limit("2 workers' rate over 2 strangers'", apart[1] / two[1], 0.9, True))
     return Report("sweep", ("contestant", "points a CPU s", "points a s", "of C"), rows, limits)
 
 
