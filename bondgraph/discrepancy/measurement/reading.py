@@ -40,7 +40,7 @@ def read_all(
     units: Mapping[str, str] | None = None,
     time: str = "time",
 ) -> tuple[Measurement, ...]:
-    """Read several recordings, each with its own inputs and initial states.
+    r"""Read several recordings, each with its own inputs and initial states.
 
     Parameters
     ----------
@@ -67,7 +67,7 @@ def read_all(
     --------
     >>> import tempfile
     >>> folder = Path(tempfile.mkdtemp())
-    >>> text = "drop,time [ms],x [mm]\\na,0,5\\na,10,4\\nb,20,5\\nb,30,3\\n"
+    >>> text = "drop,time [ms],x [mm]\na,0,5\na,10,4\nb,20,5\nb,30,3\n"
     >>> _ = (folder / "drops.csv").write_text(text)
     >>> [(run.name, run.start) for run in read_all(folder, segment="drop")]
     [('drops.csv:a', 0.0), ('drops.csv:b', 0.02)]

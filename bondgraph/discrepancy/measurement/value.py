@@ -123,7 +123,7 @@ class Measurement:
         units: Mapping[str, str] | None = None,
         time: str = "time",
     ) -> Measurement:
-        """Read a CSV file with a header ``time [s],name [unit],...``.
+        r"""Read a CSV file with a header ``time [s],name [unit],...``.
 
         Parameters
         ----------
@@ -156,7 +156,7 @@ class Measurement:
         --------
         >>> import tempfile
         >>> path = Path(tempfile.mkdtemp()) / "run.csv"
-        >>> _ = path.write_text("time [ms],speed [km/h]\\n0,36\\n10,\\n20,34\\n")
+        >>> _ = path.write_text("time [ms],speed [km/h]\n0,36\n10,\n20,34\n")
         >>> run = Measurement.read(path, rename={"v": "speed"})
         >>> run.t.tolist(), run.columns["v"].tolist(), dict(run.units)
         ([0.0, 0.01, 0.02], [36.0, nan, 34.0], {'v': 'km/h'})

@@ -153,7 +153,7 @@ def test_segments_by_numbers_and_two_columns(file):
     ]
     with pytest.raises(MeasurementError, match=r"'segg' to tell segments by; did you mean seg"):
         read_all(numbered, segment="segg")
-    with pytest.raises(MeasurementError, match="line 4.*runs backwards"):
+    with pytest.raises(MeasurementError, match=r"line 4.*runs backwards"):
         read_all(numbered)
     with pytest.raises(MeasurementError, match="'x': no such recording"):
         read_all(numbered, segment="seg", initial={"x": {}})
@@ -180,10 +180,13 @@ def test_real_pendulum():
 def test_real_drops_fall_as_gravity_says():
     drops = read_all(DATA / "ball_drops.csv", segment=("ball", "drop"), time="t_s")
     assert len(drops) == 22 and sum(map(len, drops)) == 1064
-    bowling = next(run for run in drops if run.name.endswith("Bowling_Ball:1"))
-    late = bowling.between(0.5, 2.0)
-    fall = -2 * np.polyfit(late.t, late.columns["height_m"], 2)[0]
-    assert abs(fall - 9.81) < 0.6  # a heavy ball: air takes a few per cent
+    falls: dict[str, list[float]] = {}
+    for run in drops:
+        late = run.between(0.5, 2.0)
+        bend = -2 * np.polyfit(late.t, late.columns["height_m"], 2)[0]
+        falls.setdefault(run.name.split(":")[1], []).append(bend)
+    assert abs(np.mean(falls["Bowling_Ball"]) - 9.81) < 0.5
+    assert max(np.mean(fall) for ball, fall in falls.items() if "Whiffle" in ball) < 7  # air
 
 
 finite = st.floats(allow_nan=False, allow_infinity=False)
