@@ -13,8 +13,10 @@ from ...errors import MeasurementError
 from .quality import NORMAL, quantisation
 from .value import Array, Measurement
 
-ORDERS = range(2, 17, 2)
-PLATEAU = 0.9  # of an order's floor is found two orders up where only noise is left
+ORDERS = range(2, 21, 2)
+PLATEAU = (
+    0.9  # of an order's floor is found two orders up, and at the top, where noise alone is left
+)
 MOST = 0.4  # of the column's spread: a floor above this may as well be a fast signal
 FEWEST = 60  # values that a floor from differences is made of
 SMOOTH = 0.5  # correlation of neighbours above which deviations of repeats are no white noise
@@ -70,6 +72,8 @@ def noise_floor(
     not be equal, and their spread is the median absolute deviation, so that a few jumps do not
     count. The order rises until two in a row agree. Where none do, or the floor is a large part
     of the whole signal, it cannot be told from the signal: sampled too coarsely, or no white noise.
+    Of coloured noise only its density at the highest frequencies is seen, as if it were white; the
+    rest counts as signal.
 
     References
     ----------
@@ -121,7 +125,8 @@ def _plateau(floors: list[float]) -> int | None:
     for place in range(1, len(floors)):
         before, here = floors[place - 1], floors[place]
         if before > 0 and PLATEAU <= here / before <= 1 / PLATEAU:
-            return place
+            # a slow fall may look level between two orders
+            return place if floors[-1] >= PLATEAU * here else None
     return None
 
 
