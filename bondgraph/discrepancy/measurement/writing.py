@@ -18,9 +18,9 @@ def write(measurement: Measurement, path: str | Path) -> Path:
     header = ["time [s]", *(_label(measurement, name) for name in measurement.columns)]
     # quoted, a name may hold what could pass for a delimiter
     odd = any(set(',;\t"') & set(label) for label in header)
-    quoting = csv.QUOTE_ALL if odd else csv.QUOTE_MINIMAL
-    csv.writer(text, lineterminator="\n", quoting=quoting).writerow(header)
     rows = csv.writer(text, lineterminator="\n")
+    quoted = csv.writer(text, lineterminator="\n", quoting=csv.QUOTE_ALL)
+    (quoted if odd else rows).writerow(header)
     columns = [column.tolist() for column in measurement.columns.values()]
     for t, *row in zip(measurement.t.tolist(), *columns, strict=True):
         rows.writerow([repr(t), *("" if math.isnan(value) else repr(value) for value in row)])
