@@ -11,6 +11,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 
 from ...errors import MeasurementError
 from .quality import NORMAL, quantisation
+from .sampling import UNIFORM
 from .value import Array, Measurement
 
 ORDERS = range(2, 21, 2)
@@ -96,12 +97,9 @@ def noise_floor(
         raise MeasurementError(
             f"{measurement.name}, column {name!r}: a noise floor needs three values or more"
         )
-    floors = [_of_order(t, values, k) for k in ORDERS if k < len(values)]
+    floor, order = _plateau(t, values)
     step = quantisation(measurement, name)
     rounding = (step or 0.0) / math.sqrt(12)
-    place = _plateau(floors)
-    floor = floors[place] if place is not None else min(floors)
-    order = ORDERS[place] if place is not None else 0
     spread = float(values.std())
     if floor <= rounding:
         return NoiseFloor(
@@ -110,7 +108,7 @@ def noise_floor(
     problem = ""
     if len(values) < FEWEST:
         problem = f"{len(values)} values are too few"
-    elif place is None:
+    elif not order:
         problem = (
             "differences of no order leave noise alone: sampled too coarsely, or no white noise"
         )
@@ -120,18 +118,35 @@ def noise_floor(
     return NoiseFloor(floor, "differences", not problem, reason)
 
 
-def _plateau(floors: list[float]) -> int | None:
-    """Return the first place at which the floor has stopped to fall."""
-    for place in range(1, len(floors)):
-        before, here = floors[place - 1], floors[place]
+def _plateau(t: Array, values: Array) -> tuple[float, int]:
+    """Return the first floor that has stopped to fall and its order; order 0 where none has."""
+    orders = [k for k in ORDERS if k < len(values)]
+    last = _of_order(t, values, orders[-1])
+    floors: list[float] = []
+    for k in orders:
+        floors.append(last if k == orders[-1] else _of_order(t, values, k))
+        before, here = floors[-2:] if len(floors) > 1 else (0.0, 0.0)
         if before > 0 and PLATEAU <= here / before <= 1 / PLATEAU:
-            # a slow fall may look level between two orders
-            return place if floors[-1] >= PLATEAU * here else None
-    return None
+            if last < PLATEAU * here:
+                break  # a slow fall looked level between two orders
+            return here, k
+    return min(*floors, last), 0
 
 
 def _of_order(t: Array, values: Array, k: int) -> float:
-    """Return what divided differences of order k say the noise is, robustly."""
+    """Return what differences of order k say the noise is, robustly."""
+    steps = numpy.diff(t)
+    typical = float(numpy.median(steps))
+    if (numpy.abs(steps - typical) <= UNIFORM * typical).all():
+        left = numpy.diff(values, n=k) / math.sqrt(math.comb(2 * k, k))
+    else:
+        weights = _weights(t, k)
+        left = (weights * sliding_window_view(values, k + 1)).sum(axis=1)
+    return NORMAL * float(numpy.median(numpy.abs(left)))
+
+
+def _weights(t: Array, k: int) -> Array:
+    """Return the weights of divided differences of order k, of norm one, shape (n - k, k + 1)."""
     times = sliding_window_view(t, k + 1)
     scale = (times[:, -1] - times[:, 0])[:, None] / k
     weights = numpy.ones(times.shape)
@@ -139,9 +154,7 @@ def _of_order(t: Array, values: Array, k: int) -> float:
         apart = (times - times[:, other : other + 1]) / scale
         apart[:, other] = 1.0
         weights /= apart
-    weights /= numpy.sqrt((weights**2).sum(axis=1, keepdims=True))
-    left = (weights * sliding_window_view(values, k + 1)).sum(axis=1)
-    return NORMAL * float(numpy.median(numpy.abs(left)))
+    return weights / numpy.sqrt((weights**2).sum(axis=1, keepdims=True))
 
 
 def _from_repeats(runs: list[Measurement], name: str) -> NoiseFloor:

@@ -13,6 +13,8 @@ from .value import Array, Measurement
 LEAST_RUN = 3  # equal extreme values in a row that count as a run
 NORMAL = 1.4826  # standard deviation of a normal distribution over its median absolute deviation
 OFF_GRID = 0.1  # of a quantisation step: what values may lie off its multiples, as when rounded
+OFF_DIGITS = 1e-3  # the same of a grid finer than any step met
+MOST_PARTS = 10
 
 
 @dataclass(frozen=True)
@@ -96,9 +98,14 @@ def quantisation(measurement: Measurement, name: str) -> float | None:
     if not 3 <= len(levels) < len(values):
         return None
     steps = numpy.diff(levels)
-    counts = numpy.round(steps / steps.min())
-    step = float(steps.sum() / counts.sum())
-    return step if (numpy.abs(steps - counts * step) <= OFF_GRID * step).all() else None
+    # digits rarely meet in neighbours, so a part of the least step may be it, but then exactly
+    for parts in range(1, MOST_PARTS + 1):
+        counts = numpy.round(steps * parts / steps.min())
+        step = float(steps.sum() / counts.sum())
+        off = OFF_GRID if parts == 1 else OFF_DIGITS
+        if (numpy.abs(steps - counts * step) <= off * step).all():
+            return step
+    return None
 
 
 def outliers(

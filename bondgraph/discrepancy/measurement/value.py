@@ -81,6 +81,11 @@ class Measurement:
         object.__setattr__(self, "t", t)
         object.__setattr__(self, "columns", MappingProxyType(columns))
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle the columns as a plain mapping: one that cannot be written to does not pickle."""
+        values = (self.t, dict(self.columns), dict(self.units), dict(self.holds))
+        return type(self), (*values, dict(self.initial), self.name)
+
     def __len__(self) -> int:
         return len(self.t)
 

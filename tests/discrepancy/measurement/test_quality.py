@@ -38,6 +38,11 @@ def test_the_step_of_a_converter(step):
     assert quantisation(of(np.round(values, 6)), "x") == pytest.approx(step, rel=1e-3)
 
 
+def test_digits_of_a_file_that_no_two_neighbours_show():
+    values = np.array([0, 2, 5, 9, 14, 2, 5, 0]) * 1e-6 + 3
+    assert quantisation(Measurement(range(8), {"x": values}), "x") == pytest.approx(1e-6, rel=1e-6)
+
+
 def test_values_on_no_grid():
     noise = np.random.default_rng(2).normal(size=1001)
     noise[500] = noise[501]

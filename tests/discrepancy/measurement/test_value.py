@@ -1,5 +1,7 @@
 """A recording as a frozen value."""
 
+import pickle
+
 import numpy as np
 import pytest
 
@@ -28,3 +30,10 @@ def test_gaps_are_nan_and_told():
 def test_malformed(t, columns, match):
     with pytest.raises(MeasurementError, match=match):
         Measurement(t, columns, name="run 7")
+
+
+def test_pickles():
+    run = Measurement([0, 1], {"v": [1, 2]}, {"v": "m/s"}, {"v": "zero"}, {"m.p": 1.0}, "run")
+    again = pickle.loads(pickle.dumps(run))
+    assert again.columns["v"].tolist() == [1, 2] and again.name == "run"
+    assert (again.units, again.holds, again.initial) == (run.units, run.holds, run.initial)
