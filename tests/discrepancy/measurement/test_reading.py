@@ -221,3 +221,21 @@ def test_what_cannot_be_written(tmp_path):
         Measurement([0, 1], {"v[0]": [1, 2]}).write(tmp_path / "run.csv")
     with pytest.raises(MeasurementError, match="cannot write"):
         Measurement([0, 1], {"v": [1, 2]}).write(tmp_path / "none" / "run.csv")
+
+
+@given(
+    content=st.one_of(
+        st.binary(max_size=40),
+        st.text('time,;\t v[m]01.5e-+_"#\n\r', max_size=40).map(str.encode),
+        st.text(',;.5e-_"#\n 12', max_size=30).map(lambda body: b"time,v [m]\n" + body.encode()),
+    )
+)
+def test_whatever_stands_in_a_file_there_is_one_kind_of_error(content, tmp_path_factory):
+    path = tmp_path_factory.mktemp("any") / "any.csv"
+    path.write_bytes(content)
+    try:
+        run = Measurement.read(path)
+    except MeasurementError as error:
+        assert "any.csv" in str(error)
+    else:
+        assert np.isfinite(run.t).all() and (np.diff(run.t) > 0).all()
