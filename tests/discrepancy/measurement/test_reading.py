@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from bondgraph.discrepancy.measurement import Measurement, read_all
@@ -207,6 +207,7 @@ def recordings(draw):
     return Measurement(t, columns, units)
 
 
+@settings(deadline=None)  # the first example loads pint
 @given(run=recordings())
 def test_written_and_read_back_to_the_bit(run, tmp_path_factory):
     again = Measurement.read(run.write(tmp_path_factory.mktemp("back") / "run.csv"))
@@ -223,6 +224,7 @@ def test_what_cannot_be_written(tmp_path):
         Measurement([0, 1], {"v": [1, 2]}).write(tmp_path / "none" / "run.csv")
 
 
+@settings(deadline=None)
 @given(
     content=st.one_of(
         st.binary(max_size=40),
