@@ -104,5 +104,5 @@ def test_repeats_that_are_none():
 def test_a_real_encoder():
     run = read_all(DATA / "pendulum_single_uw.csv", segment="seg", time="t_s")[0]
     floor = noise_floor(run, "theta_rad")
-    # four thousand counts or more a turn: whatever it is, it is below a count of 2 pi / 4000
-    assert 0 < floor.std < 2 * np.pi / 4000
+    # no less than what six digits leave out, and far below the milliradians that models miss by
+    assert floor.reliable and 1e-6 / np.sqrt(12) < floor.std < 1e-3

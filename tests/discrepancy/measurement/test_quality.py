@@ -17,7 +17,6 @@ def of(values):
 def test_a_clipped_sine():
     low, high = saturation(of(np.clip(SINE, -2, 0.8)), "x")
     assert low is None and high.level == 0.8
-    # above 0.8 it spends acos(0.8)/pi of a period, and has three whole crests and the rise of a fourth
     assert high.fraction == pytest.approx(np.mean(SINE >= 0.8), abs=1e-12)
     assert high.longest == pytest.approx(np.arccos(0.8) / 0.01, abs=1)
     assert saturation(of(SINE), "x") == (None, None) == saturation(of(np.ones(1001)), "x")
