@@ -98,6 +98,10 @@ class SweepError(BondGraphError):
     """A sweep cannot be started or taken up again as asked."""
 
 
+class MeasurementError(BondGraphError):
+    """Measured data are malformed or do not fit the model."""
+
+
 class SteadyStateError(BondGraphError):
     """No steady state was found."""
 
