@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import Any
 
 import sympy
 
-from ...elements import Element
+from ...elements import De, Df, Element
 from ...equations import derive
 from ...errors import BondGraphError, GraphError, ParameterError
 from ...graph import BondGraph, GraphBond, Output
@@ -150,13 +150,13 @@ def graft(
     where = find_site(graph, chosen, site)
     prefix = _prefix(graph, where)
     label = _label(graph, prefix, chosen.name if name is None else name, named=name is not None)
-    place = place_of(graph, where, label.removeprefix(prefix))
+    place = place_of(_unsensed(graph, where), where, label.removeprefix(prefix))
     symbols = _symbols(graph, chosen, label)
     in_graph = {item.symbol: symbols[item.name] for item in chosen.coefficients}
     law = {key: value.xreplace(in_graph) for key, value in chosen.law.items()}
     change = chosen.build(place, law, symbols)
     rows = _rows(graph, chosen, where, symbols, parameters or {}, scale)
-    grown, labels = _grown(graph, where, place, change, prefix, rows)
+    grown, labels = _grown(_unsensed(graph, where), where, place, change, prefix, rows)
     try:
         derive(grown)
     except BondGraphError as error:
@@ -180,6 +180,38 @@ def graft(
         edits_of(graph, grown),
         MappingProxyType(named),
     )
+
+
+def _unsensed(graph: BondGraph, site: Site) -> BondGraph:
+    """Return the graph without the ideal detector whose output is to say something else.
+
+    The output stays, as an expression in its junction's variable.
+    """
+    label = site.at[0]
+    sensor = graph.elements.get(label)
+    if site.kind != OUTPUT or not isinstance(sensor, De | Df):
+        return graph
+    (bond,) = graph.bonds_of(label)
+    junction = graph.elements[bond.tail if bond.head == label else bond.head]
+    key = "e" if isinstance(sensor, De) else "f"
+    heard = {sensor.symbols[key]: junction.symbols[key]}
+    return replace(
+        graph,
+        elements={
+            name: element.replaced(heard) if _hears(element, heard) else element
+            for name, element in graph.elements.items()
+            if name != label
+        },
+        bonds=tuple(each for each in graph.bonds if each is not bond),
+        outputs={
+            name: replace(output, expression=output.expression.xreplace(heard))
+            for name, output in graph.outputs.items()
+        },
+    )
+
+
+def _hears(element: Element, symbols: Mapping[sympy.Basic, sympy.Basic]) -> bool:
+    return any(law.free_symbols & symbols.keys() for law in element.laws.values())
 
 
 def _prefix(graph: BondGraph, site: Site) -> str:

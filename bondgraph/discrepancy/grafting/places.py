@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from itertools import combinations
 
 from ...dimensions import Dimensions, infer
-from ...elements import C, De, Df, Friction, Heat, I, One, R, Se, Sf, Zero
+from ...elements import C, De, Df, Friction, Heat, I, One, OnePort, R, Se, Sf, Zero
 from ...errors import GraphError, suggestion
 from ...graph import BondGraph
 from ..candidates.places import (
@@ -18,7 +18,9 @@ from ..candidates.places import (
     FLOW_JUNCTION,
     FLOW_PAIR,
     INERTIA,
+    MECHANICAL,
     OUTPUT,
+    POTENTIAL,
     SOURCE,
 )
 from ..candidates.value import Effect
@@ -81,7 +83,7 @@ def sites(graph: BondGraph, effect: Effect | None = None) -> tuple[Site, ...]:
 
     Examples
     --------
-    >>> from bondgraph import C, I, One, R, Se, assemble
+    >>> from bondgraph import C, I, One, OnePort, R, Se, assemble
     >>> v = One("v")
     >>> graph = assemble("msd", Se("push", 1) >> v >> (I("m", 2), C("k", stiffness=8), R("b", 1)))
     >>> [site.name for site in sites(graph)]
@@ -149,13 +151,23 @@ def _junctions(graph: BondGraph, dimensions: Dimensions) -> Iterable[Site]:
 
 
 def _pairs(graph: BondGraph, dimensions: Dimensions) -> Iterable[Site]:
-    """Yield pairs of junctions of one domain; power runs from the first to the second."""
-    for kind, junction in ((FLOW_PAIR, One), (EFFORT_PAIR, Zero)):
-        names = [name for name, _ in graph.of(junction)]
+    """Yield pairs of bodies, or of vessels and nodes; power runs from the first to the second."""
+    for kind, junction, domains in ((FLOW_PAIR, One, MECHANICAL), (EFFORT_PAIR, Zero, POTENTIAL)):
+        names = [name for name, _ in graph.of(junction) if not _difference(graph, name)]
         for first, second in combinations(names, 2):
             domain = dimensions.domains[first]
-            if domain == dimensions.domains[second]:
+            if domain == dimensions.domains[second] and domain in (*domains, UNKNOWN):
                 yield Site(kind, (first, second), domain)
+
+
+def _difference(graph: BondGraph, name: str) -> bool:
+    """Whether a junction only holds the difference of two others: a spring's own 1-junction."""
+    junction = graph.elements[name]
+    bonds = graph.bonds_of(name)
+    ends = [graph.elements[bond.head if bond.tail == name else bond.tail] for bond in bonds]
+    own = I if isinstance(junction, One) else C
+    joined = [end for end in ends if not isinstance(end, OnePort)]
+    return len(joined) < 2 and not any(isinstance(end, own | Se | Sf) for end in ends)
 
 
 def _bonds(graph: BondGraph, dimensions: Dimensions) -> Iterable[Site]:

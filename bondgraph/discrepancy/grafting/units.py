@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from ...dimensions import infer
 from ...dimensions.forms import DISPLAY, PSEUDO
-from ...elements import Junction, Sf
+from ...elements import Sf
+from ...equations.accounts import pseudo_elements
 from ...errors import ParameterError
 from ...graph import BondGraph
 from ...units import parse_unit
@@ -45,8 +46,7 @@ def unit_of(graph: BondGraph, site: Site, coefficient: Coefficient) -> str:
 
 def _words(graph: BondGraph, site: Site) -> dict[str, str]:
     element = graph.elements.get(site.at[0])
-    pseudo = isinstance(element, Junction) and element.pseudo
-    known = PSEUDO if pseudo else DISPLAY.get(site.domain)
+    known = PSEUDO if site.at[0] in pseudo_elements(graph) else DISPLAY.get(site.domain)
     if known is None:
         return {}
     words = dict(zip("efqp", known, strict=True))
