@@ -8,9 +8,11 @@ from __future__ import annotations
 
 from math import cos, sin
 
+from numpy import linspace
 from sympy import Symbol, symbols
 
 from bondgraph import GY, RS, TF, BondGraph, C, I, Integrator, One, R, Se, Sf, Zero, assemble
+from bondgraph.discrepancy.candidates import Scale
 
 
 def mass_spring() -> BondGraph:
@@ -214,14 +216,27 @@ RUNS = {
     "thermal_brake": (4.0, {"torque": lambda t: 10 * sin(3 * t)}),
     "rlc": (0.03, {"voltage": lambda t: 10 * sin(700 * t)}),
 }
-# How large effort, flow and displacement are at mechanical, hydraulic and electrical sites.
-SCALES = {
-    "mass_spring": (8.0, 0.3, 0.02, 1.0),
-    "two_mass_chain": (8.0, 0.3, 0.02, 1.0),
-    "dc_motor": (0.5, 30.0, 1.0, 0.3),
-    "quarter_car": (1000.0, 0.3, 0.03, 1.0),
-    "two_tanks": (1000.0, 2e-4, 0.01, 120.0),
-    "hydraulic_cylinder": (4000.0, 0.1, 0.01, 0.5),
-    "thermal_brake": (10.0, 5.0, 3.0, 4.0),
-    "rlc": (10.0, 1.0, 1e-3, 0.03),
+# How large effort, flow and displacement are, by domain; a run's span is the duration.
+_BODY = {"translation": (8.0, 0.3, 0.02)}
+SIZES = {
+    "mass_spring": _BODY,
+    "two_mass_chain": _BODY,
+    "dc_motor": {"electrical": (12.0, 5.0, 0.1), "rotation": (0.5, 30.0, 1.0)},
+    "quarter_car": {"translation": (1000.0, 0.3, 0.03)},
+    "two_tanks": {"hydraulic": (5000.0, 2e-4, 0.1)},
+    "hydraulic_cylinder": {"hydraulic": (2e6, 4e-4, 2e-5), "translation": (4000.0, 0.2, 0.02)},
+    "thermal_brake": {"rotation": (10.0, 5.0, 3.0), "thermal": (0.4, 20.0, 60.0)},
+    "rlc": {"electrical": (10.0, 1.0, 1e-3)},
 }
+
+
+def scale_at(machine: str, domain: str) -> Scale:
+    sizes = SIZES[machine]
+    return Scale(*sizes.get(domain, next(iter(sizes.values()))), duration=RUNS[machine][0])
+
+
+def samples(machine: str) -> dict:
+    """Inputs as tables, as recordings give them."""
+    span, inputs = RUNS[machine]
+    times = linspace(0, span, 1001)
+    return {name: (times, [function(t) for t in times]) for name, function in inputs.items()}

@@ -18,8 +18,8 @@ def resistor(place: Place, law: Law, symbols: Symbols) -> Change:
     """Bond an R with ``law["effort"]`` in FLOW or ``law["flow"]`` in EFFORT."""
     if "effort" in law:
         element = R(place.name, effort=lambda flow: law["effort"].xreplace({FLOW: flow}))
-    else:
-        element = R(place.name, flow=lambda effort: law["flow"].xreplace({EFFORT: effort}))
+        return Change((place.node >> element,), first=(element,))
+    element = R(place.name, flow=lambda effort: law["flow"].xreplace({EFFORT: effort}))
     return Change((place.node >> element,))
 
 

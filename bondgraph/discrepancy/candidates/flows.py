@@ -51,14 +51,19 @@ _ORIFICE = Coefficient(
     absent=0.0,
     linear=True,
 )
+_LAMINAR = Coefficient(
+    "laminar", "{e}", "effort below which the flow is laminar", lambda s: 1e-3 * s.effort
+)
 ORIFICE = Effect(
     "orifice_flow",
     _SITES,
-    (_ORIFICE,),
-    {"flow": _ORIFICE.symbol * sympy.sign(EFFORT) * sympy.sqrt(sympy.Abs(EFFORT))},
+    (_ORIFICE, _LAMINAR),
+    # a root alone has no slope at rest: it would empty a vessel in finite time and stick there
+    {"flow": _ORIFICE.symbol * EFFORT / (EFFORT**2 + _LAMINAR.symbol**2) ** sympy.Rational(1, 4)},
     resistor,
-    "turbulent flow through an opening: the root of the pressure",
-    "Merritt, Hydraulic Control Systems, ch. 3",
+    "turbulent flow through an opening: the root of the pressure, laminar near rest",
+    "Merritt, Hydraulic Control Systems, ch. 3; Borutzky, Barnard, Thoma, Simul. Model. Pract. "
+    "Theory 10 (2002) 141-152",
     domains=("hydraulic",),
     features=(
         Feature("sign(e)|e|^1/2", lambda s: numpy.sign(s.effort) * numpy.sqrt(abs(s.effort))),

@@ -74,6 +74,9 @@ class Change:
         What the output says instead.
     starts : mapping of Symbol to Expr
         New states that begin where variables of the graph begin.
+    first : tuple of Element
+        New elements that stand before the graph's own. Causality asks resistors in order, and the
+        last one at a 1-junction must decide its flow, which one of no resistance cannot.
     """
 
     bonds: tuple[Chain, ...] = ()
@@ -81,3 +84,4 @@ class Change:
     replaced: Mapping[Element, Element] = field(default_factory=dict)
     signal: sympy.Expr | None = None
     starts: Mapping[sympy.Symbol, sympy.Expr] = field(default_factory=dict)
+    first: tuple[Element, ...] = ()

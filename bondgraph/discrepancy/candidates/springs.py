@@ -96,12 +96,12 @@ def _stopped(
     way = Integrator(
         f"{place.name}_way", place.flow, initial=place.initial(place.displacement)
     )
-    share = symbols["restitution"]
+    share, rest = symbols["restitution"], symbols["rest"]
     upper = EndStop(
-        place.name, gap=law["upper gap"].xreplace({DISPLACEMENT: way.y}), restitution=share
+        place.name, gap=law["upper gap"].xreplace({DISPLACEMENT: way.y}), restitution=share, rest=rest
     )
     lower = EndStop(
-        f"{place.name}_lower", gap=law["lower gap"].xreplace({DISPLACEMENT: way.y}), restitution=share
+        f"{place.name}_lower", gap=law["lower gap"].xreplace({DISPLACEMENT: way.y}), restitution=share, rest=rest
     )
     node, bonds = place.node, []
     if isinstance(node, Zero):
@@ -123,7 +123,10 @@ END_STOP = Effect(
             "lower", "{q}", "way to the lower stop", lambda s: 0.8 * s.displacement, numpy.inf
         ),
         Coefficient(
-            "restitution", "", "speed after over speed before an impact", lambda s: 0.5, signed=False
+            "restitution", "", "speed after over speed before an impact", lambda s: 0.5
+        ),
+        Coefficient(
+            "rest", "{f}", "speed up to which an impact has no rebound", lambda s: 0.02 * s.flow
         ),
     ),
     {

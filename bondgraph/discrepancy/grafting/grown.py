@@ -291,11 +291,12 @@ def _grown(
     rows: Mapping[sympy.Symbol, Parameter],
 ) -> tuple[BondGraph, dict[Element, str]]:
     """Return the new graph, and names by element of what is new in it."""
-    elements = {
+    elements: dict[str, Element] = {prefix + new.name: new for new in change.first}
+    elements |= {
         label: change.replaced.get(element, element) for label, element in graph.elements.items()
     }
     names = {element: label for label, element in elements.items()}
-    new = {element: names[element] for element in change.replaced.values()}
+    new = {element: names[element] for element in (*change.first, *change.replaced.values())}
     pairs = [(bond.tail, bond.head) for chain in change.bonds for bond in chain.bonds]
     if site.kind in (FLOW_PAIR, EFFORT_PAIR):
         pairs = [
