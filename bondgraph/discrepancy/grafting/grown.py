@@ -80,7 +80,12 @@ class Grafted:
         -------
         dict of str to float
         """
-        values = resolve(self.graph.parameters, parameters, partial=True)
+        numbers = resolve(self.graph.parameters, parameters, partial=True)
+        values = {
+            symbol: numbers[symbol.name]
+            for symbol in self.graph.parameters
+            if symbol.name in numbers
+        }
         known: dict[sympy.Basic, sympy.Expr] = dict(starts(self.graph))
         for label, element in self.graph.elements.items():
             for key, symbol in element.symbols.items():

@@ -76,13 +76,24 @@ def _relative(graph: BondGraph, first: str, second: str) -> sympy.Expr | None:
         sign |= {bond.head: -1 for bond in bonds if bond.tail == label}
         between = [end for end in sign if end not in (first, second)]
         if {first, second} <= sign.keys() and len(between) == 1 and sign[first] != sign[second]:
-            spring = graph.elements[between[0]]
-            if isinstance(spring, C) and not spring.partners:
-                return sign[first] * spring.q
+            way = _elongation(graph, between[0])
+            if way is not None:
+                return sign[first] * sign[between[0]] * -way
     ways = displacement(graph, first), displacement(graph, second)
     if ways[0] is None or ways[1] is None:
         return None
     return ways[0] - ways[1]
+
+
+def _elongation(graph: BondGraph, label: str) -> sympy.Expr | None:
+    """Return the integral of the flow that a branch takes: a spring, or a 1-junction that has one.
+
+    Taken along the branch's bond, so that its sign is told by that bond.
+    """
+    element = graph.elements[label]
+    if isinstance(element, C) and not element.partners:
+        return element.q
+    return displacement(graph, label) if isinstance(element, One) else None
 
 
 def starts(graph: BondGraph) -> dict[sympy.Basic, sympy.Expr]:

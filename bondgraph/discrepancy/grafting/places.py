@@ -83,7 +83,7 @@ def sites(graph: BondGraph, effect: Effect | None = None) -> tuple[Site, ...]:
 
     Examples
     --------
-    >>> from bondgraph import C, I, One, OnePort, R, Se, assemble
+    >>> from bondgraph import C, I, One, R, Se, assemble
     >>> v = One("v")
     >>> graph = assemble("msd", Se("push", 1) >> v >> (I("m", 2), C("k", stiffness=8), R("b", 1)))
     >>> [site.name for site in sites(graph)]
@@ -120,7 +120,9 @@ def find_site(graph: BondGraph, effect: Effect, site: Site | str) -> Site:
     """
     known = sites(graph)
     name = site.name if isinstance(site, Site) else site
-    named = [each for each in known if each.name == name or (len(each.at) == 1 and each.at[0] == name)]
+    named = [
+        each for each in known if each.name == name or (len(each.at) == 1 and each.at[0] == name)
+    ]
     if reverse := _reversed(name):
         named += [Site(s.kind, s.at[::-1], s.domain) for s in known if s.name == reverse]
     fitting = [each for each in named if each.fits(effect)]
