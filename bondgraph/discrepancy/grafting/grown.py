@@ -163,7 +163,7 @@ def graft(
     rows = _rows(graph, chosen, where, symbols, parameters or {}, scale)
     grown, labels = _grown(_unsensed(graph, where), where, place, change, prefix, rows)
     try:
-        derive(grown)
+        states = {state.name for state in derive(grown).states}
     except BondGraphError as error:
         words = f"{chosen.name} at {where.name!r} of graph {graph.name!r}: {error}"
         raise type(error)(words, elements=error.elements, bonds=error.bonds) from None
@@ -173,7 +173,7 @@ def graft(
         f"{labels[element]}.{key}": change.starts[symbol]
         for element in labels
         for key, symbol in element.symbols.items()
-        if symbol in change.starts
+        if symbol in change.starts and f"{labels[element]}.{key}" in states
     }
     return Grafted(
         grown,
