@@ -38,8 +38,12 @@ def first_of_each(places):
 
 
 FEW = first_of_each(PLACES[::-1])
-# These start at rest under an input that rises smoothly: breakaway happens with no acceleration.
-AT_REST = {"thermal_brake"}
+# An input that rises smoothly breaks these loose with no acceleration; the step then underflows.
+UNDERFLOWS = {
+    ("two_mass_chain", "stribeck_friction", "first"),
+    ("thermal_brake", "stribeck_friction", "wheel"),
+    ("thermal_brake", "coulomb_friction", "wheel"),
+}
 # Zero or infinity is a limit here, not a value: 1/delay, 1/inertance where it is alone, stiffness.
 LIMITS = {"transport_delay", "compliant_coupling", "added_inertia"}
 
@@ -117,11 +121,14 @@ def check_absence(place):
         assert gap <= (1e-4 if by_limit else 1e-9) * size, name
 
 
-def moves(place):
-    return place[0] not in AT_REST or place[1] not in ("coulomb_friction", "stribeck_friction")
+def runs(places):
+    known = pytest.mark.xfail(reason="breakaway without acceleration: step underflow")
+    return [
+        pytest.param(p, marks=known) if (*p[:2], p[2].name) in UNDERFLOWS else p for p in places
+    ]
 
 
-@pytest.mark.parametrize("place", [p for p in FEW if moves(p)], ids=label)
+@pytest.mark.parametrize("place", runs(FEW), ids=label)
 def test_it_runs_and_dissipates(place):
     check_run(place)
 
@@ -132,7 +139,7 @@ def test_absent_it_leaves_the_machine_as_it_was(place):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("place", [p for p in PLACES if moves(p)], ids=label)
+@pytest.mark.parametrize("place", runs(PLACES), ids=label)
 def test_it_runs_and_dissipates_everywhere(place):
     check_run(place)
 
