@@ -162,13 +162,16 @@ def descend(
         if time.monotonic() > problem.deadline:
             return point, misfit, FitOutcome.TIME_BUDGET
         there, promised = step_from(problem, point, misfit, lam)
-        if promised <= level * misfit.cost or misfit.cost == 0:
+        # much damped steps promise little wherever they are
+        little = level if lam <= 1e-2 else 1e-4 * level
+        if promised <= little * misfit.cost or misfit.cost == 0:
             return point, misfit, _level(problem, point, misfit, level)
         trial = problem(there)
         log.add(problem, there, stage, trial, lam)
         gain = (misfit.cost - trial.cost) / promised
         if gain > 1e-4:
-            done = misfit.cost - trial.cost < level * misfit.cost and gain > 0.25
+            drop = misfit.cost - trial.cost
+            done = drop < level * misfit.cost and gain > 0.25 and lam <= 1e-2
             point, misfit = there, trial
             lam, grow = max(lam * max(1 / 5, 1 - (2 * gain - 1) ** 3), 1e-12), 2.0
             if done:

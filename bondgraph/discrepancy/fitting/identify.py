@@ -133,7 +133,11 @@ def _words(names: tuple[str, ...], shares: Array, std: float, product: bool) -> 
     along = f"{_listed(names)} along ({', '.join(f'{share:+.2f}' for share in shares)})"
     if std <= WEAK:
         return f"{along if len(names) > 1 else names[0]} is seen to {std:.2g}"
-    how = "are not" if numpy.isinf(std) else f"is seen to a factor of {numpy.exp(min(std, 99)):.2g} only"
+    how = (
+        "are not"
+        if numpy.isinf(std)
+        else f"is seen to a factor of {numpy.exp(min(std, 99)):.2g} only"
+    )
     if len(names) == 1:
         return f"{names[0]} is not seen" if numpy.isinf(std) else f"{names[0]} {how}"
     if product and len(names) <= 4:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import time
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -16,7 +17,9 @@ from .shots import cut
 
 Array = numpy.ndarray
 
-LOOSE, TIGHT, STAGES = 0.1, 1e-5, 5
+LOOSE, TIGHT, STAGES = 0.1, 1e-5, 9
+# Segments in shares of their usual number, and steps between tightenings
+ATTEMPTS = ((1.0, 4), (1.0, 15), (1.5, 8), (0.5, 8))
 NEAR = 12  # other starts tried where the first does not run
 LEVEL = 1e-7  # share of the misfit that a step must promise
 
@@ -56,22 +59,41 @@ def searched(problem: Problem, z: Array, parts: int | None, log: Log) -> Found:
     recordings = problem.gun.recordings
     states = len(problem.states)
     if parts is not None and parts > 1:
-        return _shot_in_parts(problem, z, [parts] * len(recordings), log)
+        return _best(problem, z, [parts] * len(recordings), log)
     point = _single(problem, z)
     misfit = problem(point)
     log.add(problem, point, "start", misfit, 0.0)
     counts = [parts_for(recording, states) for recording in recordings]
     if parts is None and too_wild(misfit, problem):
-        found = _shot_in_parts(problem, z, counts, log)
-        if math.isfinite(found.misfit.cost):
+        found = _best(problem, z, counts, log)
+        if explained(found):
             return found
     one = _shot_at_once(problem, point, misfit, log)
-    if parts is not None or log.full or max(counts) < 2:
+    if parts is not None or log.full or max(counts) < 2 or explained(one):
         return one
-    if math.isfinite(one.misfit.cost) and unexplained(one.misfit, recordings) < UNEXPLAINED:
-        return one
-    other = _shot_in_parts(problem, z, counts, log)
+    other = _best(problem, z, counts, log)
     return other if other.misfit.cost < one.misfit.cost else one
+
+
+def explained(found: Found) -> bool:
+    """Whether most of what the data do is in the model's run."""
+    if not math.isfinite(found.misfit.cost):
+        return False
+    return unexplained(found.misfit, found.problem.gun.recordings) < UNEXPLAINED
+
+
+def _best(problem: Problem, z: Array, counts: Sequence[int], log: Log) -> Found:
+    """Try segments, and where they leave much unexplained try others: there are many minima."""
+    best = None
+    for share, steps in ATTEMPTS:
+        parts = [max(2, round(share * count)) for count in counts]
+        found = _shot_in_parts(problem, z, parts, steps, log)
+        if best is None or found.misfit.cost < best.misfit.cost:
+            best = found
+        if log.full or time.monotonic() > problem.deadline or explained(best):
+            break
+    assert best is not None
+    return best
 
 
 def _single(problem: Problem, z: Array) -> Point:
@@ -102,7 +124,7 @@ def _sizes(problem: Problem, z: Array) -> Array:
     return numpy.where(logs, 1.0, numpy.abs(z))
 
 
-def _shot_in_parts(problem: Problem, z: Array, parts: Sequence[int], log: Log) -> Found:
+def _shot_in_parts(problem: Problem, z: Array, parts: Sequence[int], steps: int, log: Log) -> Found:
     """Fit with segments whose joints are tightened, then try a single shot from there."""
     begun = joined(problem, z, parts)
     if begun.why:
@@ -116,7 +138,7 @@ def _shot_in_parts(problem: Problem, z: Array, parts: Sequence[int], log: Log) -
         if not math.isfinite(misfit.cost):
             return Found(tight, point, misfit, FitOutcome.NO_START, misfit.why)
         last = allowed <= TIGHT * 1.001
-        most, level = (60, LEVEL) if last else (15, 1e-3)
+        most, level = (60, LEVEL) if last else (steps, 1e-3)
         name = f"joints {allowed:.0e}"
         point, misfit, outcome = descend(tight, point, misfit, log, name, most, level)
         if log.full or outcome is FitOutcome.TIME_BUDGET:

@@ -130,7 +130,8 @@ def joined(problem: Problem, z: Array, parts: Sequence[int]) -> Joined:
         found = numpy.zeros((len(row) - 1, n))
         state, shot, begun = z[own], None, False
         for k, segment in enumerate(row):
-            one = problem.with_(segments=segments)
+            ranges = numpy.sqrt(squares / count) if count else numpy.zeros(n)
+            one = problem.with_(segments=segments, scale=ranges)
             state, shot = _settled(one, z, segment, k, state)
             if isinstance(shot, str):
                 return Joined(one, Point(z, tuple(starts)), shot)
@@ -150,7 +151,13 @@ def joined(problem: Problem, z: Array, parts: Sequence[int]) -> Joined:
 def _settled(
     problem: Problem, z: Array, segment: Segment, k: int, state: Array
 ) -> tuple[Array, Shot | str]:
-    """Bring the start states of one segment to its own data."""
+    """Bring the start states of one segment to its own data.
+
+    What the data leave open stays near where the segment before ended.
+    """
+    first, held = state, numpy.zeros((0, len(state) + 1))
+    if k and problem.scale.all():
+        held = numpy.column_stack([numpy.diag(1 / problem.scale), numpy.zeros(len(state))])
 
     def shoot(at: Array) -> tuple[Shot | str, float, Array]:
         starts = tuple(numpy.zeros((len(row) - 1, len(at))) for row in problem.segments)
@@ -164,7 +171,9 @@ def _settled(
         if isinstance(shot, str):
             return shot, math.inf, numpy.zeros((0, len(at) + 1))
         link, cost, _ = problem._link(point, shot, k, None)
-        return shot, cost, link.data[:, [*range(len(at)), -1]]
+        rows = numpy.concatenate([link.data[:, [*range(len(at)), -1]], held])
+        rows[len(link.data) :, -1] = held[:, :-1] @ (at - first)
+        return shot, cost + float((rows[len(link.data) :, -1] ** 2).sum()), rows
 
     shot, cost, rows = shoot(state)
     lam, tries = 1e-4, 0

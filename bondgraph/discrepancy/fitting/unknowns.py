@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy
@@ -214,6 +214,10 @@ def sought(
             raise ParameterError(f"{name!r} has no value to start from; give it in parameters={{}}")
         log = bool(symbols[name].is_positive) and values[name] > 0
         item = bounded(name, None, log, limits.get(name), known.get(name))
+        if symbols[name].is_nonnegative and not log:
+            item = replace(item, lower=max(item.lower, 0.0))
+        if symbols[name].is_nonpositive:
+            item = replace(item, upper=min(item.upper, 0.0))
         items.append(item)
         start.append(math.log(values[name]) if log else values[name])
     first = numpy.clip(start, [i.lower for i in items], [i.upper for i in items])
