@@ -73,7 +73,7 @@ def identified(
         A relative change of one, in coordinates.
     names : sequence of str
     logs : sequence of bool
-        Which coordinates are logarithms.
+        Of which a relative change is one of their logarithm.
 
     Returns
     -------
@@ -141,7 +141,14 @@ def _words(names: tuple[str, ...], shares: Array, std: float, product: bool) -> 
     if len(names) == 1:
         return f"{names[0]} is not seen" if numpy.isinf(std) else f"{names[0]} {how}"
     if product and len(names) <= 4:
-        joint = [_joint(names[0], names[i], -shares[0] / shares[i]) for i in range(1, len(names))]
+        signs = numpy.sign(shares)
+        odd = [j for j in range(len(names)) if (signs == signs[j]).sum() == 1]
+        pivot = odd[0] if len(odd) == 1 else 0
+        joint = [
+            _joint(names[pivot], names[i], -shares[pivot] / shares[i])
+            for i in range(len(names))
+            if i != pivot
+        ]
         verb = "is" if len(joint) == 1 else "are"
         return f"only {_listed(tuple(joint))} {verb} seen: {along} {how}"
     return f"only combinations across it are seen: {along} {how}"

@@ -116,7 +116,12 @@ def _known(found: Found, channels: tuple[Channel, ...], names: tuple[str, ...]) 
     worth = problem.with_(sigma=sigma)
     misfit = worth.weighed(point, found.misfit.shots)
     assert misfit.prior is not None
-    logs = [item.log for item in problem.unknowns.items]
+    logs = [
+        item.recording is None and value != 0
+        for item, value in zip(
+            problem.unknowns.items, problem.unknowns.values(point.z), strict=True
+        )
+    ]
     rows = normal_rows(worth, misfit)
     return identified(rows, misfit.prior, _scales(found), names, logs)
 

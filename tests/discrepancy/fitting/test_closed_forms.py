@@ -152,7 +152,10 @@ def test_several_recordings_have_their_own_starts():
     starts = [start["c.q"] for start in found.initial]
     assert starts == pytest.approx([2, -1, 0.5], abs=0.03)
     assert found.names[1:] == ("c.q [1: run 2.0]", "c.q [2: run -1.0]", "c.q [3: run 0.5]")
-    known = [Measurement(r.t, dict(r.columns), initial={"c.q": q}) for r, q in zip(rows, (2, -1, 0.5), strict=True)]
+    known = [
+        Measurement(r.t, dict(r.columns), initial={"c.q": q})
+        for r, q in zip(rows, (2, -1, 0.5), strict=True)
+    ]
     assert fit(decay(), known, ["tau"]).values["tau"] == pytest.approx(0.5, rel=0.02)
 
 
