@@ -56,7 +56,18 @@ def compressed(rows: Array) -> Array:
     """
     if len(rows) <= rows.shape[1]:
         return rows
-    return numpy.linalg.qr(rows, mode="r")
+    return triangle(rows)
+
+
+def triangle(rows: Array) -> Array:
+    """Return R of a QR decomposition.
+
+    Examples
+    --------
+    >>> numpy.abs(triangle(numpy.array([[3.0], [4.0]]))).tolist()
+    [[5.0]]
+    """
+    return numpy.asarray(numpy.linalg.qr(rows, mode="r"))
 
 
 def eliminated(links: Sequence[Link], q: int, damping: float = 0.0) -> tuple[Array, list[Back]]:
@@ -95,7 +106,7 @@ def eliminated(links: Sequence[Link], q: int, damping: float = 0.0) -> tuple[Arr
         size = numpy.sqrt((stack[:, :n] ** 2).sum(axis=0))
         damped = numpy.zeros((n, width))
         damped[:, :n] = numpy.diag(damping**0.5 * size)
-        r = numpy.linalg.qr(numpy.concatenate([stack, damped]), mode="r")
+        r = triangle(numpy.concatenate([stack, damped]))
         backs.append(Back(r[:n, :n], r[:n, n:]))
         carry = compressed(numpy.concatenate([before.data, r[n:, n:]]))
     return carry, backs

@@ -30,7 +30,7 @@ def cycles(column: Array) -> int:
     centred = there - there.mean()
     far = numpy.sign(centred) * (abs(centred) > 0.5 * centred.std())
     signs = far[far != 0]
-    return int((numpy.diff(signs) != 0).sum()) // 2
+    return (int((numpy.diff(signs) != 0).sum()) + 1) // 2
 
 
 def parts_for(recording: Recording, states: int) -> int:
@@ -124,7 +124,8 @@ def joined(problem: Problem, z: Array, parts: Sequence[int]) -> Joined:
         for place, (recording, count) in enumerate(zip(problem.gun.recordings, parts, strict=True))
     )
     n = len(problem.states)
-    starts, squares, count = [], numpy.zeros(n), 0
+    starts: list[Array] = []
+    squares, count = numpy.zeros(n), 0
     for place, row in enumerate(segments):
         own = problem.unknowns.own(place)
         found = numpy.zeros((len(row) - 1, n))
