@@ -11,6 +11,7 @@ from .identify import Known, identified
 from .noise import correlation_time
 from .problem import Problem
 from .search import Found
+from .segments import UNEXPLAINED, unexplained
 from .value import Channel, Fit
 
 Array = numpy.ndarray
@@ -58,7 +59,20 @@ def finished(found: Found, log: Log, seconds: float) -> Fit:
         iterations=tuple(log.steps),
         seconds=seconds,
         logs={item.name: item.log for item in unknowns.items if item.recording is None},
-        remark=found.remark,
+        remark="; ".join(filter(None, [found.remark, _left(found)])),
+    )
+
+
+def _left(found: Found) -> str:
+    """Say so where the run does not resemble the data."""
+    if not math.isfinite(found.misfit.cost):
+        return ""
+    share = unexplained(found.misfit, found.problem.gun.recordings)
+    if share < UNEXPLAINED:
+        return ""
+    return (
+        f"{100 * share:.0f} % of a signal's deviation is left: another minimum, or an effect that the "
+        f"model lacks; give start values nearer by, or more segments"
     )
 
 
