@@ -34,6 +34,11 @@ class Found:
     outcome: FitOutcome
     remark: str = ""
 
+    @property
+    def gap_closed(self) -> bool:
+        """Whether every recording is one shot."""
+        return all(len(row) == 1 for row in self.problem.segments)
+
     def again(self, problem: Problem, point: Point, misfit: Misfit, log: Log) -> Found:
         """Go on from a point with other weights."""
         point, misfit, outcome = descend(problem, point, misfit, log, "weights", 50, LEVEL)
@@ -137,14 +142,15 @@ def _shot_in_parts(problem: Problem, z: Array, parts: Sequence[int], steps: int,
         misfit = tight.weighed(point, misfit.shots) if misfit.shots else tight(point)
         if not math.isfinite(misfit.cost):
             return Found(tight, point, misfit, FitOutcome.NO_START, misfit.why)
-        last = allowed <= TIGHT * 1.001
-        most, level = (60, LEVEL) if last else (steps, 1e-3)
         name = f"joints {allowed:.0e}"
-        point, misfit, outcome = descend(tight, point, misfit, log, name, most, level)
+        point, misfit, outcome = descend(tight, point, misfit, log, name, steps, 1e-3)
         if log.full or outcome is FitOutcome.TIME_BUDGET:
-            break
-    found = Found(tight, point, misfit, outcome, "")
-    return _joined_up(problem, found, log)
+            return _joined_up(problem, Found(tight, point, misfit, outcome), log)
+    found = _joined_up(problem, Found(tight, point, misfit, outcome), log)
+    if found.gap_closed or log.full:
+        return found
+    point, misfit, outcome = descend(tight, point, misfit, log, "joints", 60, LEVEL)
+    return _joined_up(problem, Found(tight, point, misfit, outcome), log)
 
 
 def _joined_up(problem: Problem, found: Found, log: Log) -> Found:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy
 
 from ...errors import BondGraphError
-from ...simulation import CompiledModel, Trajectory, sensitivities
+from ...simulation import CompiledModel, Sensitivities, Trajectory, sensitivities
 from .recordings import Recording
 
 Array = numpy.ndarray
@@ -149,12 +149,23 @@ class Gun:
                 for name, column in recording.data.items():
                     part = column[segment.first : segment.last]
                     if numpy.isfinite(part).any():
-                        residuals[name] = run[name] - part
-                        slopes[name] = found[name]
+                        signal, slopes[name] = _told(found, name)
+                        residuals[name] = signal - part
         except BondGraphError as error:
             return f"{recording.name}: {error}"
         shot = Shot(residuals, slopes, run.x_end, found.x_end, run)
         return shot if _finite(shot) else f"{recording.name}: derivatives are not finite"
+
+
+def _told(found: Sensitivities, name: str) -> tuple[Array, Array]:
+    """Return a signal and its slopes; a state's own are at hand."""
+    run = found.trajectory
+    expression = run.model.equations.outputs.get(name)
+    state = name if expression is None else getattr(expression, "name", "")
+    if state in run.states:
+        place = run.states.index(state)
+        return run.x[place], found.x[place]
+    return run[name], found[name]
 
 
 def _finite(shot: Shot) -> bool:
