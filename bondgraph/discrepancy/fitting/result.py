@@ -67,7 +67,7 @@ def _left(found: Found) -> str:
     """Say so where the run does not resemble the data."""
     if not math.isfinite(found.misfit.cost):
         return ""
-    share = unexplained(found.misfit, found.problem.gun.recordings)
+    share = unexplained(found.misfit, found.problem)
     if share < UNEXPLAINED:
         return ""
     return (

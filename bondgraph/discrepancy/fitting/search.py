@@ -84,7 +84,7 @@ def explained(found: Found) -> bool:
     """Whether most of what the data do is in the model's run."""
     if not math.isfinite(found.misfit.cost):
         return False
-    return unexplained(found.misfit, found.problem.gun.recordings) < UNEXPLAINED
+    return unexplained(found.misfit, found.problem) < UNEXPLAINED
 
 
 def _best(problem: Problem, z: Array, counts: Sequence[int], log: Log) -> Found:

@@ -73,15 +73,21 @@ def too_wild(misfit: Misfit, problem: Problem) -> bool:
     return False
 
 
-def unexplained(misfit: Misfit, recordings: Sequence[Recording]) -> float:
-    """Return the largest residual of a channel over its deviation, both root mean squares."""
+def unexplained(misfit: Misfit, problem: Problem) -> float:
+    """Return the largest residual of a channel over its deviation, both root mean squares.
+
+    Outliers count as little as the loss lets them.
+    """
     worst = 0.0
-    for row, recording in zip(misfit.shots, recordings, strict=True):
+    for row, recording in zip(misfit.shots, problem.gun.recordings, strict=True):
         for name, column in recording.data.items():
             parts = [shot.residuals[name] for shot in row if name in shot.residuals]
-            residual = numpy.nanmean(numpy.concatenate(parts) ** 2) ** 0.5
-            worst = max(worst, residual / max(numpy.nanstd(column), 1e-300))
-    return float(worst)
+            joint = numpy.concatenate(parts)
+            residual = joint[numpy.isfinite(joint)]
+            _, weight = problem.loss(residual / problem.sigma[name])
+            left = (weight @ residual**2 / weight.sum()) ** 0.5
+            worst = max(worst, float(left / max(numpy.nanstd(column), 1e-300)))
+    return worst
 
 
 @dataclass(frozen=True, eq=False)
