@@ -21,6 +21,7 @@ if TYPE_CHECKING:
         poincare_section,
         spectrum,
     )
+    from .discrepancy.fitting import Fit, fit
     from .elements import (
         GY,
         RS,
@@ -87,6 +88,7 @@ _HOME = {
     "EigenvalueMap": "stability",
     "EndStop": "elements",
     "Equations": "equations",
+    "Fit": "discrepancy.fitting",
     "Friction": "elements",
     "GY": "elements",
     "Heat": "elements",
@@ -122,6 +124,7 @@ _HOME = {
     "assign_causality": "causality",
     "derive": "equations",
     "eigenvalue_map": "stability",
+    "fit": "discrepancy.fitting",
     "in_mode": "modes",
     "limit_cycle": "cycles",
     "linearize": "linear",
@@ -161,6 +164,8 @@ __all__ = [
     "EigenvalueMap",
     "EndStop",
     "Equations",
+    "fit",
+    "Fit",
     "Friction",
     "GY",
     "Heat",
