@@ -139,10 +139,11 @@ def by_frequency(
     from scipy.signal import get_window
 
     own = floor_of(found, signal, floor)
-    names = tuple(found.inputs) if causes is None else tuple(causes)
-    rows = [found.gap(signal), found.measured[signal], *(found.along(name) for name in names)]
+    asked = tuple(found.inputs) if causes is None else tuple(causes)
+    rows = [found.gap(signal), found.measured[signal], *(found.along(name) for name in asked)]
     data = evenly(found.t, rows, f"{found.name}, {signal}")
-    names = _moving(names, data.columns[2:])
+    # what never changes has no coherence
+    moving = [k for k in range(len(asked)) if numpy.ptp(data.columns[2 + k]) > 0]
     span = data.t[-1] - data.t[0]
     length = span / 8 if segment is None else segment
     # gap and noise have no trend of their own to lose: a bias is told by `by_signal`
@@ -151,13 +152,14 @@ def by_frequency(
     count = round(length * gap.rate)
     weights = get_window(window, count)
     step = count - int(0.5 * count)
-    worth = _independent(weights, step, gap.averages)
+    worth = independent(weights, step, gap.averages)
     floor_density = 2 * own.sigma**2 / gap.rate
     limit = floor_density * _largest(2 * worth, own.freedom, alpha / max(len(gap.frequency), 1))
-    kept = [0, *(2 + k for k, name in enumerate(_all(found, causes)) if name in names)]
     linked = None
-    if names:
+    if moving:
+        kept = [0, *(2 + k for k in moving)]
         matrix = spectral_matrix(data.columns[kept], count, step, weights)
+        names = tuple(asked[k] for k in moving)
         linked = coherence(matrix, gap.frequency, names, worth, alpha)
     return FrequencyGaps(
         signal,
@@ -175,17 +177,24 @@ def by_frequency(
     )
 
 
-def _all(found: Residuals, causes: Iterable[str] | None) -> tuple[str, ...]:
-    return tuple(found.inputs) if causes is None else tuple(causes)
+def independent(weights: Array, step: int, averages: int) -> float:
+    """Return how many independent segments overlapping ones are worth.
 
+    Parameters
+    ----------
+    weights : (count,) array
+        Of the window.
+    step, averages : int
+        Samples from a segment to the next, and how many there are.
 
-def _moving(names: tuple[str, ...], columns: Array) -> tuple[str, ...]:
-    """Leave out what never changes: it has no coherence."""
-    return tuple(k for k, row in zip(names, columns, strict=True) if numpy.ptp(row) > 0)
+    Returns
+    -------
+    float
 
-
-def _independent(weights: Array, step: int, averages: int) -> float:
-    """Return how many independent segments overlapping ones are worth (Welch 1967)."""
+    References
+    ----------
+    Welch 1967, as for `by_frequency`.
+    """
     own = (weights**2).sum() ** 2
     shifted = [
         ((weights[k * step :] * weights[: len(weights) - k * step]).sum() ** 2) / own

@@ -14,6 +14,7 @@ from .value import Residuals
 
 Array = numpy.ndarray
 
+BLOCKS = 4  # memories in a block that is put elsewhere: its ends are what it forgets
 LEAST = 10.0  # effective samples of a bin that is not marked as thin
 
 
@@ -102,7 +103,7 @@ def by_region(
 
     Dependence is told by the correlation ratio, of the gap and of its square, against the same
     with blocks of the gap in random order. A block is as long as the gap remembers itself (the sum
-    of its autocorrelation to the first zero), at least; so a slow gap is not taken for one that
+    of its autocorrelation to the first zero), times four; so a slow gap is not taken for one that
     depends.
 
     Parameters
@@ -202,7 +203,7 @@ def by_region(
         *shaped,
         block,
         _dependence(gap, index, cells, block, permutations, rng),
-        _dependence(gap**2, index, cells, block, permutations, rng),
+        _dependence(gap**2, index, cells, max(block, memory(gap**2)), permutations, rng),
         own,
     )
 
@@ -285,7 +286,8 @@ def _dependence(
         return float((numpy.bincount(index, row, cells) ** 2 / count).sum() / power)
 
     seen = ratio(centred)
-    drawn = numpy.array([ratio(_shuffled(centred, block, rng)) for _ in range(permutations)])
+    length = 1 if block == 1 else min(BLOCKS * block, len(values))
+    drawn = numpy.array([ratio(_shuffled(centred, length, rng)) for _ in range(permutations)])
     p = (1 + int((drawn >= seen).sum())) / (1 + permutations)
     return Dependence(seen, float(drawn.mean()) if permutations else 0.0, p)
 
