@@ -16,7 +16,7 @@ from .frequency import independent
 Array = numpy.ndarray
 
 AROUND = 12  # lines on either side that make the background of a line
-BACKGROUND = 0.15  # degrees of freedom of that median, over those of its lines together
+BACKGROUND = 0.3  # degrees of freedom of that median, over those of its lines together
 
 
 @dataclass(frozen=True)
