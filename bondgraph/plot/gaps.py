@@ -301,7 +301,11 @@ def _cells(ax: Axes, found: RegionGaps, labels: list[str], unit: str) -> Axes:
 
 
 def _tests(found: RegionGaps) -> str:
-    return f"correlation ratio {found.of_mean.ratio:.2g}, p = {found.of_mean.p:.2g}"
+    mean, power = found.of_mean, found.of_power
+    return (
+        f"correlation ratio {mean.ratio:.2g}, p = {mean.p:.2g}; "
+        f"of squares {power.ratio:.2g}, p = {power.p:.2g}"
+    )
 
 
 def whiteness_plot(found: Whiteness, *, ax: Axes | None = None) -> Axes:

@@ -39,7 +39,7 @@ class PeakChange:
         During over before.
     p : float
         Chance of a ratio so far from one, either way, from one spectrum; not corrected for the
-        number of lines.
+        number of peaks.
     """
 
     kind: str
@@ -105,8 +105,9 @@ def compare_windows(
     """Compare the spectra of two windows of a signal.
 
     A line is a peak where it stands above the median of the 12 lines on either side by more than
-    noise does (F, Bonferroni over the lines). Two densities differ where their ratio is
-    outside what one spectrum gives (F, Bonferroni over the lines).
+    noise does (F, Bonferroni over the lines). A peak has changed where the ratio of the two
+    densities is outside what one spectrum gives (F, Bonferroni over the peaks; for `risen`, over
+    the lines).
 
     Parameters
     ----------
@@ -173,7 +174,7 @@ def compare_windows(
         first,
         then,
         (freedom[0], freedom[1]),
-        _changes(first, then, freedom, ratio, each),
+        _changes(first, then, freedom, ratio, alpha),
         float(numpy.nanmedian(ratio[1:-1])),
         float(risen.mean()),
         alpha,
@@ -196,17 +197,20 @@ def _part(measurement: Measurement, signal: str, start: float, end: float) -> An
 
 
 def _changes(
-    first: Spectrum, then: Spectrum, freedom: tuple[float, ...], ratio: Array, each: float
+    first: Spectrum, then: Spectrum, freedom: tuple[float, ...], ratio: Array, alpha: float
 ) -> tuple[PeakChange, ...]:
     from scipy.stats import f as fisher
 
+    each = alpha / max(len(ratio) - 1, 1)
     old, new = (_peaks(part, own, each) for part, own in zip((first, then), freedom, strict=True))
     near = max(1, round(first.resolution / first.line_spacing))
     changes = []
-    for place in sorted({*new, *(k for k in old if not _has(new, k, near))}):
+    places = sorted({*new, *(k for k in old if not _has(new, k, near))})
+    sure = alpha / 2 / max(len(places), 1)
+    for place in places:
         was, now = _has(old, place, near), _has(new, place, near)
         p_up = float(fisher.sf(ratio[place], freedom[1], freedom[0]))
-        up, down = p_up < each / 2, p_up > 1 - each / 2
+        up, down = p_up < sure, p_up > 1 - sure
         shown = then if now else first
         changes.append(
             PeakChange(

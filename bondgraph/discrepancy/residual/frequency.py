@@ -146,8 +146,14 @@ def by_frequency(
     moving = [k for k in range(len(asked)) if numpy.ptp(data.columns[2 + k]) > 0]
     span = data.t[-1] - data.t[0]
     length = span / 8 if segment is None else segment
-    # gap and noise have no trend of their own to lose: a bias is told by `by_signal`
-    gap = spectrum((data.t, data.columns[0]), f"gap of {signal}", segment=length, window=window)
+    # nothing is taken off the gap: a bias is a part of it, at the lowest lines
+    gap = spectrum(
+        (data.t, data.columns[0]),
+        f"gap of {signal}",
+        segment=length,
+        window=window,
+        detrend=False,
+    )
     measured = spectrum((data.t, data.columns[1]), signal, segment=length, window=window)
     count = round(length * gap.rate)
     weights = get_window(window, count)
@@ -216,8 +222,9 @@ def _bands(gap: Spectrum, floor_density: float, limit: float) -> tuple[Band, ...
     above = gap.density > limit
     if not above.any():
         return ()
-    excess = numpy.maximum(gap.density - floor_density, 0.0)
-    total = float(excess.sum())
+    excess = gap.density - floor_density
+    # lines below the floor count too: without them scatter alone would look like power
+    total = max(float(excess.sum()), float(excess[above].sum()))
     places = numpy.flatnonzero(above)
     cuts = numpy.flatnonzero(numpy.diff(places) > LINES_APART + 1) + 1
     bands = []
@@ -227,11 +234,11 @@ def _bands(gap: Spectrum, floor_density: float, limit: float) -> tuple[Band, ...
         noise = floor_density * (lines.stop - lines.start)
         bands.append(
             Band(
-                max(float(gap.frequency[lines.start]) - gap.line_spacing / 2, 0.0),
-                float(gap.frequency[lines.stop - 1]) + gap.line_spacing / 2,
+                float(max(gap.frequency[lines.start] - gap.line_spacing / 2, 0.0)),
+                float(gap.frequency[lines.stop - 1] + gap.line_spacing / 2),
                 float(gap.frequency[top]),
                 float(excess[lines].sum()) / total,
-                float(gap.density[lines].sum()) / noise if noise > 0 else numpy.inf,
+                float(gap.density[lines].sum() / noise) if noise > 0 else numpy.inf,
             )
         )
     return tuple(sorted(bands, key=lambda band: -band.share))
