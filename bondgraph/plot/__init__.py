@@ -14,14 +14,13 @@ from .gaps import (
     frequency_gaps,
     region_gaps,
     signal_gaps,
-    whiteness_plot,
-    window_comparison,
     window_gaps,
 )
 from .laws import friction_curve
 from .loci import growth_rates, root_locus
 from .maps import stability_map
 from .motion import application, overview, phase_plane, time_response
+from .periodograms import whiteness_plot, window_comparison
 from .style import PALETTE, Signal, new_axes, pretty, save, signal
 from .sweeps import sweep_map
 

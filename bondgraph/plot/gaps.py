@@ -1,4 +1,4 @@
-"""Plots of where model and recording disagree, and of two windows of a recording."""
+"""Plots of where model and recording disagree."""
 
 from __future__ import annotations
 
@@ -16,22 +16,11 @@ if TYPE_CHECKING:
         FrequencyGaps,
         RegionGaps,
         SignalGaps,
-        Whiteness,
-        WindowComparison,
         WindowGaps,
     )
 
 FAINT = "#c3c7cd"
 BLUE, RED, GREEN = PALETTE[:3]
-MARKS = {
-    "appears": "^",
-    "grows": "P",
-    "stays": "o",
-    "shrinks": "v",
-    "vanishes": "x",
-    "drowned": "s",
-    "unsure": "d",
-}
 
 
 def signal_gaps(found: SignalGaps, *, ax: Axes | None = None) -> Axes:
@@ -72,7 +61,7 @@ def signal_gaps(found: SignalGaps, *, ax: Axes | None = None) -> Axes:
     ax.invert_yaxis()
     ax.grid(False, axis="y")
     ax.set_xlabel("mean square of the gap / variance of the signal [1]")
-    _above(ax)
+    key_above(ax)
     return ax
 
 
@@ -98,13 +87,14 @@ def window_gaps(found: WindowGaps, *, ax: Axes | None = None) -> Axes:
     """
     ax = dressed(ax)
     wide = found.edges[:, 1] - found.edges[:, 0]
-    for chosen, style in (
+    styles: tuple[tuple[numpy.ndarray, dict[str, Any]], ...] = (
         (found.significant, {"color": RED, "label": "above the floor"}),
         (
             ~found.significant,
             {"color": "white", "edgecolor": BLUE, "hatch": "////", "label": "as the floor"},
         ),
-    ):
+    )
+    for chosen, style in styles:
         if chosen.any():
             ax.bar(
                 found.edges[chosen, 0],
@@ -118,7 +108,7 @@ def window_gaps(found: WindowGaps, *, ax: Axes | None = None) -> Axes:
         ax.axvline(found.onset, color=INK, ls=":", lw=1.6, label=f"onset, {found.onset:.4g} s")
     ax.set_xlabel("time [s]")
     ax.set_ylabel(f"rmse of {found.signal} [{pretty(found.unit or '1')}]")
-    _above(ax)
+    key_above(ax)
     return ax
 
 
@@ -165,7 +155,7 @@ def frequency_gaps(found: FrequencyGaps, *, ax: Axes | None = None) -> Axes:
     unit = pretty(f"({found.unit or '1'})^2/Hz")
     ax.set_ylabel(f"density [{unit}]")
     ax.margins(x=0)
-    _above(ax)
+    key_above(ax)
     return ax
 
 
@@ -202,7 +192,11 @@ def coherence_plot(found: FrequencyGaps, *, ax: Axes | None = None) -> Axes:
     several = len(linked.ordinary) > 1
     shown = linked.partial if several else linked.ordinary
     for k, (name, values) in enumerate(shown.items()):
-        style = {"color": PALETTE[k % 6], "ls": ("-", "--", "-.", ":")[k % 4], "lw": 1.3}
+        style: dict[str, Any] = {
+            "color": PALETTE[k % 6],
+            "ls": ("-", "--", "-.", ":")[k % 4],
+            "lw": 1.3,
+        }
         ax.plot(linked.frequency, values, label=name, **style)
     limit = linked.limit_partial if several else linked.limit
     ax.axhline(limit, color=INK, lw=1.0, ls=":", label=f"limit, {100 * linked.alpha:g} %")
@@ -211,7 +205,7 @@ def coherence_plot(found: FrequencyGaps, *, ax: Axes | None = None) -> Axes:
     word = "partial coherence" if several else "coherence"
     ax.set_ylabel(f"{word} with the gap of {found.signal} [1]")
     ax.margins(x=0)
-    _above(ax)
+    key_above(ax)
     return ax
 
 
@@ -277,7 +271,7 @@ def region_gaps(found: RegionGaps, *, ax: Axes | None = None) -> Axes:
     ax.set_xlabel(labels[0])
     ax.set_ylabel(f"gap of {found.signal} [{unit}]")
     ax.set_title(_tests(found), fontsize=9, color=INK, loc="right")
-    _above(ax)
+    key_above(ax)
     return ax
 
 
@@ -293,7 +287,7 @@ def _cells(ax: Axes, found: RegionGaps, labels: list[str], unit: str) -> Axes:
     ax.pcolormesh(*found.edges, few.T, cmap=ListedColormap([FAINT]))
     bar = ax.figure.colorbar(mesh, ax=ax, pad=0.02)
     bar.set_label(f"mean gap of {found.signal} [{unit}]", color=INK)
-    bar.outline.set_visible(False)  # type: ignore[operator]
+    bar.outline.set_visible(False)
     ax.set_xlabel(labels[0])
     ax.set_ylabel(labels[1])
     ax.set_title(_tests(found), fontsize=9, color=INK, loc="right")
@@ -308,94 +302,13 @@ def _tests(found: RegionGaps) -> str:
     )
 
 
-def whiteness_plot(found: Whiteness, *, ax: Axes | None = None) -> Axes:
-    """Plot a cumulative periodogram with the band that a white series stays in.
+def key_above(ax: Axes) -> None:
+    """Put the key above the axes, where it hides nothing.
 
     Parameters
     ----------
-    found : Whiteness
-    ax : Axes, optional
-
-    Returns
-    -------
-    Axes
-
-    Examples
-    --------
-    >>> from bondgraph.discrepancy import whiteness
-    >>> ax = whiteness_plot(whiteness(numpy.random.default_rng(0).normal(size=500)))
-    >>> ax.get_ylabel()
-    'share of the power below [1]'
+    ax : Axes
     """
-    from scipy.stats import kstwo
-
-    ax = dressed(ax)
-    top = found.frequency[-1]
-    half = float(kstwo.isf(0.05, max(len(found.frequency) - 1, 1)))
-    line = found.frequency / top
-    ax.fill_between(
-        found.frequency,
-        numpy.clip(line - half, 0, 1),
-        numpy.clip(line + half, 0, 1),
-        color=FAINT,
-        alpha=0.6,
-        lw=0,
-        label="white, 95 %",
-    )
-    ax.plot(found.frequency, found.cumulative, color=RED, lw=1.6, label="series")
-    ax.set_xlabel("frequency [Hz]")
-    ax.set_ylabel("share of the power below [1]")
-    ax.margins(x=0)
-    _above(ax)
-    return ax
-
-
-def window_comparison(found: WindowComparison, *, unit: str = "", ax: Axes | None = None) -> Axes:
-    """Plot the spectra of two windows, with a mark for each peak that says how it changed.
-
-    Parameters
-    ----------
-    found : WindowComparison
-    unit : str
-        Of the signal.
-    ax : Axes, optional
-
-    Returns
-    -------
-    Axes
-
-    Examples
-    --------
-    >>> from bondgraph.discrepancy import Measurement, compare_windows
-    >>> t = numpy.arange(8000) / 1000
-    >>> y = numpy.random.default_rng(2).normal(size=8000)
-    >>> run = Measurement(t, {"a": y})
-    >>> ax = window_comparison(compare_windows(run, "a", (0, 4), (4, 7.9)), unit="m/s^2")
-    >>> ax.get_ylabel()
-    'density of a [(m/s²)²/Hz]'
-    """
-    ax = dressed(ax)
-    for part, span, style in (
-        (found.before, found.spans[0], {"color": BLUE, "ls": "--", "lw": 1.1}),
-        (found.during, found.spans[1], {"color": RED, "ls": "-", "lw": 1.3}),
-    ):
-        label = f"{span[0]:.3g} to {span[1]:.3g} s"
-        ax.semilogy(part.frequency[1:], part.density[1:], label=label, **style)
-    for kind, mark in MARKS.items():
-        peaks = found.of(kind)
-        if peaks:
-            at = [peak.frequency_hz for peak in peaks]
-            high = [1.6 * max(peak.before, peak.during) for peak in peaks]
-            ax.plot(at, high, mark, color=INK, ms=5, ls="", label=kind)
-    ax.set_xlabel("frequency [Hz]")
-    ax.set_ylabel(f"density of {found.signal} [{pretty(f'({unit or 1})^2/Hz')}]")
-    ax.margins(x=0)
-    _above(ax)
-    return ax
-
-
-def _above(ax: Axes) -> None:
-    """Put the key above the axes, where it hides nothing."""
     handles: list[Any]
     handles, labels = ax.get_legend_handles_labels()
     if handles:

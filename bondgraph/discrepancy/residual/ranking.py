@@ -132,7 +132,7 @@ def locate(
     >>> noise = numpy.random.default_rng(1).normal(0, 0.1, 4000)
     >>> burst = numpy.where((t >= 1.2) & (t < 2), numpy.sin(400 * numpy.pi * t), 0)
     >>> locate(Residuals(t, {"v": noise + burst}, {"v": 0 * t}, {"v": "m/s"}), floor=0.1).text
-    '99 % of the gap lies in v between 1.2 and 2 s at 185 to 215 Hz; none stands out by operating region'
+    '100 % of the gap lies in v between 1.2 and 2 s at 185 to 215 Hz; none stands out by operating region'
     """
     sizes = by_signal(found, {signal: floor_of(found, signal, floor) for signal in found.signals})
     floors = {row.signal: row.floor for row in sizes}

@@ -182,25 +182,20 @@ def by_region(
         band = 1.96 * spread / numpy.sqrt(worth)
     excess = count * numpy.maximum(numpy.nan_to_num(square) - (own.sigma**2 if own else 0.0), 0.0)
     rng = numpy.random.default_rng(seed)
-    shaped = [
-        column.reshape(shape)
-        for column in (
-            count,
-            mean,
-            spread,
-            band,
-            numpy.sqrt(square),
-            worth < LEAST,
-            excess / excess.sum() if excess.sum() > 0 else excess,
-        )
-    ]
+    share = excess / excess.sum() if excess.sum() > 0 else excess
     return RegionGaps(
         signal,
         unit or (found.unit(signal) if values is None else ""),
         names,
         tuple(found.unit(name) for name in names),
         tuple(edges),
-        *shaped,
+        count.reshape(shape),
+        mean.reshape(shape),
+        spread.reshape(shape),
+        band.reshape(shape),
+        numpy.sqrt(square).reshape(shape),
+        (worth < LEAST).reshape(shape),
+        share.reshape(shape),
         block,
         _dependence(gap, index, cells, block, permutations, rng),
         _dependence(gap**2, index, cells, max(block, memory(gap**2)), permutations, rng),
