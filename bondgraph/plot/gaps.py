@@ -269,7 +269,7 @@ def region_gaps(found: RegionGaps, *, ax: Axes | None = None) -> Axes:
         )
     ax.margins(y=0.12)
     ax.set_xlabel(labels[0])
-    ax.set_ylabel(f"gap of {found.signal} [{unit}]")
+    ax.set_ylabel(f"{_what(found)} [{unit}]")
     ax.set_title(_tests(found), fontsize=9, color=INK, loc="right")
     key_above(ax)
     return ax
@@ -286,12 +286,17 @@ def _cells(ax: Axes, found: RegionGaps, labels: list[str], unit: str) -> Axes:
     few = numpy.ma.masked_where(~found.thin | (found.count == 0), found.count * 0.0)
     ax.pcolormesh(*found.edges, few.T, cmap=ListedColormap([FAINT]))
     bar = ax.figure.colorbar(mesh, ax=ax, pad=0.02)
-    bar.set_label(f"mean gap of {found.signal} [{unit}]", color=INK)
+    bar.set_label(f"mean of the {_what(found)} [{unit}]", color=INK)
     bar.outline.set_visible(False)
     ax.set_xlabel(labels[0])
     ax.set_ylabel(labels[1])
     ax.set_title(_tests(found), fontsize=9, color=INK, loc="right")
     return ax
+
+
+def _what(found: RegionGaps) -> str:
+    """Name what was binned: the gap, or other values in its place."""
+    return f"gap of {found.signal}" if found.floor is not None else f"values for {found.signal}"
 
 
 def _tests(found: RegionGaps) -> str:

@@ -63,9 +63,9 @@ class Whiteness:
     @property
     def verdict(self) -> str:
         """What the tests say, with the size of it."""
-        size = f"{100 * self.predictable:.2g} % of the variance is predictable"
+        size = f"{100 * self.predictable:.3g} % of the variance is predictable"
         if self.above is not None:
-            size += f", {100 * self.above:.2g} % of the mean square lies above the floor"
+            size += f", {100 * self.above:.3g} % of the mean square lies above the floor"
         white = min(self.p_ljung_box, self.p_kolmogorov) >= 0.005
         return (
             f"white as far as {self.count} samples tell"
