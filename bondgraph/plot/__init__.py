@@ -1,4 +1,4 @@
-"""Plots of trajectories, eigenvalue loci, sweeps and friction laws, on matplotlib axes.
+"""Plots of trajectories, eigenvalue loci, sweeps, friction laws and gaps, on matplotlib axes.
 
 Each function draws on the axes it is given, or on those of a new figure, and
 returns the axes. pyplot is not used, so nothing is kept or shown. The colours
@@ -9,10 +9,18 @@ References
 Okabe, Ito, Color universal design, 2008 (the palette).
 """
 
+from .gaps import (
+    coherence_plot,
+    frequency_gaps,
+    region_gaps,
+    signal_gaps,
+    window_gaps,
+)
 from .laws import friction_curve
 from .loci import growth_rates, root_locus
 from .maps import stability_map
 from .motion import application, overview, phase_plane, time_response
+from .periodograms import whiteness_plot, window_comparison
 from .style import PALETTE, Signal, new_axes, pretty, save, signal
 from .sweeps import sweep_map
 
@@ -20,16 +28,23 @@ __all__ = [
     "PALETTE",
     "Signal",
     "application",
+    "coherence_plot",
+    "frequency_gaps",
     "friction_curve",
     "growth_rates",
     "new_axes",
     "overview",
     "phase_plane",
     "pretty",
+    "region_gaps",
     "root_locus",
     "save",
     "signal",
-    "sweep_map",
+    "signal_gaps",
     "stability_map",
+    "sweep_map",
     "time_response",
+    "whiteness_plot",
+    "window_comparison",
+    "window_gaps",
 ]
