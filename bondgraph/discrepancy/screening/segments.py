@@ -10,19 +10,20 @@ from __future__ import annotations
 import itertools
 import time
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy
 
 from ...errors import BondGraphError, SimulationError
-from ...simulation import CompiledModel, sensitivities, simulate
+from ...simulation import CompiledModel, Samples, sensitivities, simulate
 from .score import Scores, basis_of, chosen, scored
 
 Array = numpy.ndarray
 
 FITS = 3  # of the initial states of a segment
 FEWEST = 8  # samples of a segment
+MARGIN = 50  # samples of an input beside a segment: band-limited ones are felt as far as 20
 
 
 @dataclass(frozen=True, eq=False)
@@ -250,13 +251,14 @@ class _Segment:
     def followed(self, x: Array) -> tuple[Array, Array, Array]:
         """Return responses, those to the initial states, and the residual, all weighted."""
         t = self.record.t[self.rows]
+        inputs = {name: within(given, t[0], t[-1]) for name, given in self.record.inputs.items()}
         found = sensitivities(
             self.model,
             (t[0], t[-1]),
             (*self.names, *self.states),
             self.parameters,
             dict(zip(self.states, x.tolist(), strict=True)),
-            self.record.inputs,
+            inputs,
             t,
             self.rtol,
         )
@@ -273,6 +275,23 @@ class _Segment:
         if not (numpy.isfinite(table).all() and numpy.isfinite(residual).all()):
             raise SimulationError("a response is not finite")
         return table[:, : len(self.names)], table[:, len(self.names) :], residual
+
+
+def within(given: Any, start: float, end: float) -> Any:
+    """Return what of an input matters between two times; a run looks at all that it is given.
+
+    Examples
+    --------
+    >>> len(within(Samples(numpy.arange(1000.0), numpy.zeros(1000)), 500, 510).times)
+    111
+    """
+    if isinstance(given, tuple):
+        given = Samples(*given)
+    if not isinstance(given, Samples):
+        return given
+    first, last = numpy.searchsorted(given.times, [start, end])
+    part = slice(max(int(first) - MARGIN, 0), int(last) + MARGIN + 1)
+    return replace(given, times=given.times[part], values=given.values[part])
 
 
 def _least(columns: Array, residual: Array) -> Array:
