@@ -18,13 +18,15 @@ from .pieces import CAPTION, LABEL, TAG, Drawing, Line, Node, Tag, across_of, nu
 from .scene import Scene, scene_of
 
 FONT = "STIX Two Text, STIXGeneral, Times New Roman, Times, serif"
-INK, MARK, PSEUDO = "#000000", "#b3261e", "#8a5a00"
+INK, MARK, PSEUDO, ACCENT = "#000000", "#b3261e", "#8a5a00", "#0b57d0"
 BARB = (10.0, 5.5)  # of a half arrow: along the bond, and off it
 STROKE = 8.0  # half the length of a causal stroke
 PAD = 14.0
 
 
-def to_svg(graph: BondGraph | CausalGraph, *, numbers: bool = False) -> str:
+def to_svg(
+    graph: BondGraph | CausalGraph, *, numbers: bool = False, accented: Iterable[str] = ()
+) -> str:
     """Draw a graph as SVG, the way textbooks do.
 
     Parameters
@@ -33,6 +35,9 @@ def to_svg(graph: BondGraph | CausalGraph, *, numbers: bool = False) -> str:
         Causal strokes are drawn where causality is assigned.
     numbers : bool
         Whether to number the bonds, from one, in the order of ``graph.bonds``.
+    accented : iterable of str
+        Qualified names of elements to be drawn in blue with their bonds, such as those that an
+        effect added.
 
     Returns
     -------
@@ -55,16 +60,16 @@ def to_svg(graph: BondGraph | CausalGraph, *, numbers: bool = False) -> str:
     plain = graph if isinstance(graph, BondGraph) else graph.graph
     scene, drawing = scene_of(plain), layout(plain)
     derivative = frozenset(causal.derivative if causal else ())
-    pseudo = _pseudo_bonds(plain)
+    pseudo, stressed = _pseudo_bonds(plain), frozenset(accented)
     notes = [
         (f"derivative causality: {', '.join(causal.derivative if causal else ())}", MARK)
     ] * bool(derivative)
     notes += [("pseudo-bonds: temperature and heat flow", PSEUDO)] * bool(pseudo)
     body = [
-        *_bonds(plain, drawing, causal, derivative, pseudo, numbers),
+        *_bonds(plain, drawing, causal, derivative, pseudo, stressed, numbers),
         *(_signal(line) for line in drawing.signals),
         *(_tag(tag) for tag in drawing.tags),
-        *(_node(node, plain, scene, derivative) for node in drawing.nodes.values()),
+        *(_node(node, plain, scene, derivative, stressed) for node in drawing.nodes.values()),
     ]
     width, height, shift = _extent(drawing, [words for words, _ in notes])
     for number, (words, colour) in enumerate(notes):
@@ -118,12 +123,15 @@ def _bonds(
     causal: CausalGraph | None,
     derivative: frozenset[str],
     pseudo: frozenset[str],
+    stressed: frozenset[str],
     numbers: bool,
 ) -> Iterable[str]:
     for index, (bond, line) in enumerate(zip(graph.bonds, drawing.bonds, strict=True)):
         colour = ""
         if {bond.tail, bond.head} & derivative:
             colour = f' stroke="{MARK}"'
+        elif {bond.tail, bond.head} & stressed:
+            colour = f' stroke="{ACCENT}"'
         elif bond.name in pseudo:
             colour = f' stroke="{PSEUDO}"'
         parts = [_polyline("bond", line.points), _half_arrow(line.points)]
@@ -189,10 +197,16 @@ def _tag(tag: Tag) -> str:
     return _text(tag.words, middle, TAG, "port", style="italic")
 
 
-def _node(node: Node, graph: BondGraph, scene: Scene, derivative: frozenset[str]) -> str:
+def _node(
+    node: Node,
+    graph: BondGraph,
+    scene: Scene,
+    derivative: frozenset[str],
+    stressed: frozenset[str],
+) -> str:
     elements = scene.figures[node.name].elements
     marked = bool(derivative.intersection(elements))
-    colour = MARK if marked else INK
+    colour = MARK if marked else ACCENT if stressed.intersection(elements) else INK
     told = "; ".join(_tooltip(name, graph.elements[name]) for name in elements)
     parts = [f"<title>{escape(told)}</title>"]
     if marked or node.boxed:
@@ -205,7 +219,8 @@ def _node(node: Node, graph: BondGraph, scene: Scene, derivative: frozenset[str]
     if node.caption is not None:
         box = node.caption
         middle = ((box.x0 + box.x1) / 2, (box.y0 + box.y1) / 2)
-        parts.append(_text(node.name, middle, CAPTION, "caption", style="italic"))
+        fill = ACCENT if stressed.intersection(elements) else INK
+        parts.append(_text(node.name, middle, CAPTION, "caption", style="italic", fill=fill))
     return f"<g data-element={quoteattr(node.name)}>{''.join(parts)}</g>"
 
 

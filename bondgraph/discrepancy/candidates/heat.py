@@ -1,0 +1,73 @@
+"""Fade: friction that falls with the heat it has made."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy
+import sympy
+
+from ...elements import Block, Friction, R
+from .features import Array, Feature, Signals
+from .place import Change, Place
+from .places import DISSIPATOR, MECHANICAL
+from .value import MEMORY, SIGNAL, Coefficient, Effect
+
+_FADE = Coefficient(
+    "fade",
+    "1/J",
+    "falling share over heat",
+    lambda s: 0.1 / (s.effort * s.flow * s.duration),
+    absent=0.0,
+    linear=True,
+)
+_COOLING = Coefficient("cooling", "1/s", "rate at which heat is lost", lambda s: 0.1 / s.duration)
+
+
+def _faded(
+    place: Place, law: Mapping[str, sympy.Expr], symbols: Mapping[str, sympy.Symbol]
+) -> Change:
+    old = place.element
+    heat = Block(f"{place.name}_heat", rate=lambda y: old.e * old.f - symbols["cooling"] * y)
+
+    def weaker(value: sympy.Expr) -> sympy.Expr:
+        return law["signal"].xreplace({SIGNAL: value, MEMORY: heat.y})
+
+    if isinstance(old, Friction):
+        own = old.speed
+        new: R | Friction = Friction(
+            old.name,
+            kinetic=lambda speed: weaker(old.kinetic.xreplace({own: speed})),
+            breakaway=weaker(old.breakaway),
+            smoothing=old.smoothing,
+        )
+    elif old.effort is not None:
+        effort = old.effort
+        new = R(old.name, effort=lambda f: weaker(effort.xreplace({old.f: f})))
+    else:
+        flow = old.flow
+        full = 1 / weaker(sympy.S.One)
+        new = R(old.name, flow=lambda e: flow.xreplace({old.e: e * full}))
+    twin = new.replaced({new.symbols[key]: symbol for key, symbol in old.symbols.items()})
+    return Change(replaced={old: twin}, blocks=(heat,))
+
+
+def _heat_times_effort(signals: Signals) -> Array:
+    power = signals.effort * signals.flow
+    steps = numpy.diff(signals.t) * (power[1:] + power[:-1]) / 2
+    return numpy.asarray(-signals.effort * numpy.concatenate([[0.0], numpy.cumsum(steps)]))
+
+
+FADE = Effect(
+    "thermal_fade",
+    (DISSIPATOR,),
+    (_FADE, _COOLING),
+    {"signal": SIGNAL * sympy.exp(-_FADE.symbol * MEMORY)},
+    _faded,
+    "a brake or damper that weakens with the heat it has made",
+    "Limpert, Brake Design and Safety, 3rd ed., ch. 4",
+    domains=MECHANICAL,
+    features=(Feature("-e heat", _heat_times_effort, memory=True),),
+    states=("heat that has not left yet",),
+)
+HEAT = (FADE,)

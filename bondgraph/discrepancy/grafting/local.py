@@ -1,0 +1,105 @@
+"""What a site tells an effect: its node, flow, displacement, and how things start there."""
+
+from __future__ import annotations
+
+import sympy
+
+from ...elements import C, I, Integrator, Junction, One, Se, Sf, SignalBlock, Storage, Zero
+from ...graph import BondGraph
+from ..candidates.place import Place
+from ..candidates.places import BOND, EFFORT_PAIR, FLOW_JUNCTION, FLOW_PAIR, OUTPUT
+from .places import Site
+
+
+def place_of(graph: BondGraph, site: Site, name: str) -> Place:
+    """Return a site as an effect sees it; pairs and bonds get a junction of their own.
+
+    Parameters
+    ----------
+    graph : BondGraph
+    site : Site
+    name : str
+        Of the effect's element, without its submodel.
+
+    Returns
+    -------
+    Place
+    """
+    start = starts(graph)
+    if site.kind == OUTPUT:
+        return Place(name, signal=graph.outputs[site.at[0]].expression, start=start)
+    if site.kind == BOND:
+        return Place(name, Zero(f"{name}_split"), start=start)
+    ends = [graph.elements[label] for label in site.at]
+    if site.kind in (FLOW_PAIR, EFFORT_PAIR):
+        pseudo = any(end.pseudo for end in ends if isinstance(end, Junction))
+        if site.kind == EFFORT_PAIR:
+            return Place(name, One(f"{name}_between", pseudo=pseudo), start=start)
+        first, second = ends
+        assert isinstance(first, One) and isinstance(second, One)
+        return Place(
+            name,
+            Zero(f"{name}_between", pseudo=pseudo),
+            first.f - second.f,
+            displacement=_relative(graph, *site.at),
+            start=start,
+        )
+    element = ends[0]
+    if isinstance(element, Junction):
+        flow = element.f if isinstance(element, One) else None
+        way = displacement(graph, site.at[0]) if site.kind == FLOW_JUNCTION else None
+        return Place(name, element, flow, displacement=way, start=start)
+    signal = None
+    if isinstance(element, Se | Sf):
+        signal = element.effort if isinstance(element, Se) else element.flow
+    return Place(name, element=element, signal=signal, start=start)
+
+
+def displacement(graph: BondGraph, junction: str) -> sympy.Expr | None:
+    """Return the integral of a 1-junction's flow, where a state of the graph is just that."""
+    flow = graph.elements[junction].symbols["f"]
+    for bond in graph.bonds_of(junction):
+        other = graph.elements[bond.head if bond.tail == junction else bond.tail]
+        if isinstance(other, C) and not other.partners:
+            return other.q
+    for _, block in graph.of(Integrator):
+        if block.rate == flow:
+            return block.y
+    return None
+
+
+def _relative(graph: BondGraph, first: str, second: str) -> sympy.Expr | None:
+    """Return the integral of the difference of two flows, where states tell it."""
+    for label, _ in graph.of(Zero):
+        bonds = graph.bonds_of(label)
+        sign = {bond.tail: 1 for bond in bonds if bond.head == label}
+        sign |= {bond.head: -1 for bond in bonds if bond.tail == label}
+        between = [end for end in sign if end not in (first, second)]
+        if {first, second} <= sign.keys() and len(between) == 1 and sign[first] != sign[second]:
+            spring = graph.elements[between[0]]
+            if isinstance(spring, C) and not spring.partners:
+                return sign[first] * spring.q
+    ways = displacement(graph, first), displacement(graph, second)
+    if ways[0] is None or ways[1] is None:
+        return None
+    return ways[0] - ways[1]
+
+
+def starts(graph: BondGraph) -> dict[sympy.Basic, sympy.Expr]:
+    """Return what states begin with, and efforts and flows in states, as far as storage tells.
+
+    Inputs are told apart from parameters: what they begin with is not known.
+    """
+    found: dict[sympy.Basic, sympy.Expr] = {}
+    for label, element in graph.elements.items():
+        if isinstance(element, SignalBlock):
+            found[element.y] = element.initial
+        if isinstance(element, Storage) and not element.partners:
+            found[element.state] = element.initial
+            found[element.coenergy] = element.law
+            shared = One if isinstance(element, I) else Zero
+            for bond in graph.bonds_of(label):
+                end = graph.elements[bond.tail]
+                if isinstance(end, shared):
+                    found[end.symbols["f" if shared is One else "e"]] = element.law
+    return found | {symbol: sympy.Dummy(symbol.name) for symbol in graph.inputs}
