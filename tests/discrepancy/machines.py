@@ -238,5 +238,5 @@ def scale_at(machine: str, domain: str) -> Scale:
 def samples(machine: str) -> dict:
     """Inputs as tables, as recordings give them."""
     span, inputs = RUNS[machine]
-    times = linspace(0, span, 1001)
+    times = linspace(0, span, 101)
     return {name: (times, [function(t) for t in times]) for name, function in inputs.items()}

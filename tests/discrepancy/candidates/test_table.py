@@ -1,0 +1,124 @@
+"""The table of effects is complete, and each value keeps its promises."""
+
+import itertools
+import math
+
+import numpy
+import pytest
+import sympy
+
+from bondgraph.discrepancy.candidates import (
+    DISPLACEMENT,
+    EFFECTS,
+    EFFORT,
+    FLOW,
+    Coefficient,
+    Effect,
+    Scale,
+    Signals,
+    effects,
+    resistor,
+)
+from bondgraph.discrepancy.candidates.places import KINDS
+from bondgraph.errors import LawError
+
+CONTRACT = """viscous_damping coulomb_friction stribeck_friction lugre_friction quadratic_drag
+linear_stiffness cubic_stiffness dead_zone end_stop hysteresis effort_bias flow_bias leakage overflow
+saturation orifice_flow nonlinear_inertance added_inertia compliant_coupling transport_delay sensor_bias
+thermal_fade run_out""".split()
+ALL = pytest.mark.parametrize("effect", EFFECTS.values(), ids=EFFECTS)
+
+
+def test_every_name_of_the_contract_has_one_effect():
+    assert sorted(EFFECTS) == sorted(CONTRACT)
+    assert all(name == effect.name for name, effect in EFFECTS.items())
+
+
+def test_every_kind_of_site_has_an_effect():
+    assert {kind for effect in EFFECTS.values() for kind in effect.sites} == set(KINDS)
+
+
+@ALL
+def test_an_effect_can_be_absent_and_starts_from_the_data(effect):
+    assert effect.absent, "no value at which it is gone"
+    small = effect.start(Scale(2.0, 3.0, 5.0, 7.0))
+    assert all(math.isfinite(value) for value in small.values())
+    assert not effect.physical(small)
+    assert all(effect.absent[name] == 0 for name in effect.linear)
+    assert effect.reference and effect.meaning
+
+
+@ALL
+def test_linear_coefficients_enter_linearly(effect):
+    """Doubling them all doubles the law, to first order, and at zero nothing is left."""
+    symbols = effect.symbols
+    share = sympy.Symbol("share", positive=True)
+    scaled = {symbols[name]: share * symbols[name] for name in effect.linear}
+    if not scaled or set(effect.law) & {"slip", "signal"} or effect.name == "nonlinear_inertance":
+        return
+    for law in effect.law.values():
+        grown = law.xreplace(scaled)
+        assert sympy.simplify(grown - share * law) == 0
+
+
+@pytest.mark.parametrize(
+    "effect",
+    [e for e in EFFECTS.values() if e.passive and set(e.law) in ({"effort"}, {"flow"})],
+    ids=lambda effect: effect.name,
+)
+def test_resistive_laws_take_power_at_all_flows(effect):
+    values = {effect.symbols[name]: value for name, value in effect.start().items()}
+    (law,) = effect.law.values()
+    for there in numpy.linspace(-3, 3, 25):
+        for along in (FLOW, EFFORT):
+            if along in law.free_symbols and DISPLACEMENT not in law.free_symbols:
+                number = law.subs(values).subs(along, there)
+                assert float(number * there) >= 0
+
+
+@ALL
+def test_features_are_columns_that_differ(effect):
+    t = numpy.linspace(0, 4, 400)
+    flow = numpy.sin(3 * t) + 0.4 * numpy.cos(5 * t)
+    signals = Signals.of(t, flow=flow, effort=2 * flow + numpy.cos(7 * t))
+    columns = [feature.evaluate(signals) for feature in effect.features]
+    assert columns, "nothing to screen it with"
+    assert all(column.shape == t.shape and numpy.isfinite(column).all() for column in columns)
+    for first, second in itertools.combinations(columns, 2):
+        assert abs(numpy.corrcoef(first, second)[0, 1]) < 0.9999
+
+
+@pytest.mark.parametrize(
+    ("changes", "word"),
+    [
+        ({"sites": ("junction",)}, "kind of site"),
+        ({"law": {"effort": sympy.Symbol("stray") * FLOW}}, "stray"),
+        ({"coefficients": (Coefficient("b", "", "", lambda s: 1.0),) * 2}, "two coefficients"),
+    ],
+)
+def test_what_is_wrong_is_said(changes, word):
+    b = Coefficient("b", "{e}/({f})^3", "cubic damping", lambda s: 1.0, absent=0.0, linear=True)
+    given = {
+        "name": "cubic_damping",
+        "sites": ("1-junction",),
+        "coefficients": (b,),
+        "law": {"effort": b.symbol * FLOW**3},
+        "build": resistor,
+        "meaning": "cubic damping",
+        "reference": "none",
+    }
+    Effect(**given)
+    with pytest.raises(LawError, match=word):
+        Effect(**given | changes)
+
+
+def test_own_effects_join_and_replace():
+    own = EFFECTS["leakage"]
+    assert effects("overflow", more=[own]) == (EFFECTS["overflow"], own)
+    with pytest.raises(LawError, match="leakage"):
+        effects("leakige")
+
+
+def test_signs_that_no_passive_element_has_are_named():
+    assert EFFECTS["viscous_damping"].physical({"damping": -1.0}) == ("damping",)
+    assert EFFECTS["cubic_stiffness"].physical({"cubic": -1.0}) == ()
