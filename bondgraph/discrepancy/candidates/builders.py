@@ -40,9 +40,7 @@ def begins(state: sympy.Symbol, place: Place) -> dict[sympy.Symbol, sympy.Expr]:
 
 def source(place: Place, law: Law, symbols: Symbols) -> Change:
     """Bond a source of ``law["effort"]`` or ``law["flow"]``."""
-    element = (
-        Se(place.name, law["effort"]) if "effort" in law else Sf(place.name, law["flow"])
-    )
+    element = Se(place.name, law["effort"]) if "effort" in law else Sf(place.name, law["flow"])
     return Change((element >> place.node,))
 
 

@@ -35,8 +35,9 @@ _SPEED = Coefficient("speed", "{f}", "Stribeck speed", lambda s: 0.1 * s.flow)
 def _falling(share: float) -> Feature:
     return Feature(
         f"sign(f) exp(-|f|/{share:g}F)",
-        lambda s: numpy.sign(s.flow)
-        * numpy.exp(-abs(s.flow) / (share * numpy.nanmax(numpy.abs(s.flow)))),
+        lambda s: (
+            numpy.sign(s.flow) * numpy.exp(-abs(s.flow) / (share * numpy.nanmax(numpy.abs(s.flow))))
+        ),
     )
 
 

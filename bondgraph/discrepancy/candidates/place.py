@@ -55,7 +55,9 @@ class Place:
         value = sympy.sympify(expression)
         for _ in range(3):  # an output through a junction's flow through a storage's law
             value = value.xreplace(dict(self.start))
-        moving = value.atoms(sympy.Dummy) or any(symbol.name == "t" for symbol in value.free_symbols)
+        moving = value.atoms(sympy.Dummy) or any(
+            symbol.name == "t" for symbol in value.free_symbols
+        )
         return sympy.S.Zero if moving else value
 
 

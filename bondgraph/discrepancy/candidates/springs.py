@@ -66,10 +66,7 @@ DEAD_ZONE = Effect(
     "dead_zone",
     _SITES,
     (_STIFFNESS, _WIDTH),
-    {
-        "effort": _K
-        * (sympy.Max(DISPLACEMENT - _W, 0) - sympy.Max(-DISPLACEMENT - _W, 0))
-    },
+    {"effort": _K * (sympy.Max(DISPLACEMENT - _W, 0) - sympy.Max(-DISPLACEMENT - _W, 0))},
     lambda place, law, symbols: _slack(place, law),
     "a spring that acts beyond a clearance",
     "Nordin, Gutman, Automatica 38 (2002) 1633-1649",
@@ -93,15 +90,19 @@ def _stopped(
 ) -> Change:
     """Bond one stop for each direction; a 1-junction holds the speed that closes the gaps."""
     assert place.flow is not None
-    way = Integrator(
-        f"{place.name}_way", place.flow, initial=place.initial(place.displacement)
-    )
+    way = Integrator(f"{place.name}_way", place.flow, initial=place.initial(place.displacement))
     share, rest = symbols["restitution"], symbols["rest"]
     upper = EndStop(
-        place.name, gap=law["upper gap"].xreplace({DISPLACEMENT: way.y}), restitution=share, rest=rest
+        place.name,
+        gap=law["upper gap"].xreplace({DISPLACEMENT: way.y}),
+        restitution=share,
+        rest=rest,
     )
     lower = EndStop(
-        f"{place.name}_lower", gap=law["lower gap"].xreplace({DISPLACEMENT: way.y}), restitution=share, rest=rest
+        f"{place.name}_lower",
+        gap=law["lower gap"].xreplace({DISPLACEMENT: way.y}),
+        restitution=share,
+        rest=rest,
     )
     node, bonds = place.node, []
     if isinstance(node, Zero):
@@ -122,9 +123,7 @@ END_STOP = Effect(
         Coefficient(
             "lower", "{q}", "way to the lower stop", lambda s: 0.8 * s.displacement, numpy.inf
         ),
-        Coefficient(
-            "restitution", "", "speed after over speed before an impact", lambda s: 0.5
-        ),
+        Coefficient("restitution", "", "speed after over speed before an impact", lambda s: 0.5),
         Coefficient(
             "rest", "{f}", "speed up to which an impact has no rebound", lambda s: 0.02 * s.flow
         ),
@@ -162,9 +161,7 @@ HYSTERESIS = Effect(
     "hysteresis",
     _SITES,
     (_LEVEL, Coefficient("width", "{q}", "displacement of yield", lambda s: 0.2 * s.displacement)),
-    {
-        "slip": (sympy.Abs(FLOW) * MEMORY * sympy.Abs(MEMORY) + FLOW * MEMORY**2) * _HALF / _W**2
-    },
+    {"slip": (sympy.Abs(FLOW) * MEMORY * sympy.Abs(MEMORY) + FLOW * MEMORY**2) * _HALF / _W**2},
     _hysteretic,
     "Bouc-Wen with exponent 2 and equal shares: elastic on unloading, yields on loading",
     "Ikhouane, Rodellar, Systems with Hysteresis, Wiley 2007",

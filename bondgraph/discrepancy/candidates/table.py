@@ -15,10 +15,7 @@ from .springs import SPRINGS
 from .value import Effect
 
 EFFECTS: Mapping[str, Effect] = MappingProxyType(
-    {
-        effect.name: effect
-        for effect in (*FRICTION, *SPRINGS, *FLOWS, *SIGNALS, *INERTIAS, *HEAT)
-    }
+    {effect.name: effect for effect in (*FRICTION, *SPRINGS, *FLOWS, *SIGNALS, *INERTIAS, *HEAT)}
 )
 
 

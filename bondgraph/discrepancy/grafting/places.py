@@ -120,7 +120,9 @@ def find_site(graph: BondGraph, effect: Effect, site: Site | str) -> Site:
     """
     known = sites(graph)
     name = site.name if isinstance(site, Site) else site
-    named = [each for each in known if each.name == name or (len(each.at) == 1 and each.at[0] == name)]
+    named = [
+        each for each in known if each.name == name or (len(each.at) == 1 and each.at[0] == name)
+    ]
     if reverse := _reversed(name):
         named += [Site(s.kind, s.at[::-1], s.domain) for s in known if s.name == reverse]
     fitting = [each for each in named if each.fits(effect)]

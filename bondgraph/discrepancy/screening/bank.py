@@ -106,7 +106,9 @@ def bank(
         names = {f"{effect.name}_{item.name}": (effect, item) for effect, item, _ in shares}
         law = [share for _, _, share in shares]
         try:
-            found = graft(grown, _probe(site, names, law), site, parameters=dict.fromkeys(names, 0.0))
+            found = graft(
+                grown, _probe(site, names, law), site, parameters=dict.fromkeys(names, 0.0)
+            )
         except BondGraphError as error:
             refused.append((site.name, str(error)))
             continue
@@ -122,14 +124,14 @@ Share = tuple[Effect, Coefficient, sympy.Expr]
 
 
 def _shares(effects: Iterable[Effect], site: Site, scale: Scale | None) -> list[Share]:
-    """Return what each coefficient of each effect that fits is multiplied by."""
+    """Return what each coefficient of each effect that fits is multiplied by; nothing twice."""
     found = []
     for effect in effects:
         if not site.fits(effect):
             continue
         for item in effect.coefficients:
             share = share_of(effect, item, scale) if item.linear else None
-            if share is not None:
+            if share is not None and share not in (known for _, _, known in found):
                 found.append((effect, item, share))
     return found
 
@@ -164,11 +166,15 @@ def share_of(effect: Effect, item: Coefficient, scale: Scale | None = None) -> s
     symbols = effect.symbols
     gone = {symbols[name]: value for name, value in effect.absent.items()}
     share = sympy.diff(law, item.symbol).subs(gone)
-    others = {symbols[c.name]: c for c in effect.coefficients if symbols[c.name] in share.free_symbols}
+    others = {
+        symbols[c.name]: c for c in effect.coefficients if symbols[c.name] in share.free_symbols
+    }
     if others and scale is None:
         return None
     if scale is not None:
-        share = share.subs({symbol: sympy.Float(c.start(scale), 17) for symbol, c in others.items()})
+        share = share.subs(
+            {symbol: sympy.Float(c.start(scale), 17) for symbol, c in others.items()}
+        )
     if share == 0 or share.free_symbols - {FLOW, EFFORT, DISPLACEMENT}:
         return None
     return -share if effect.build is source else share

@@ -23,6 +23,7 @@ Array = numpy.ndarray
 
 FITS = 3  # of the initial states of a segment
 FEWEST = 8  # samples of a segment
+LEAST = 15  # samples of the shortest segments tried
 MARGIN = 50  # samples of an input beside a segment: band-limited ones are felt as far as 20
 
 
@@ -318,7 +319,7 @@ def best_length(
     model, records, free, coefficients, options
         As for `segmented`.
     lengths : sequence of float, optional
-        To try, s; a third of the longest recording, a ninth and so on, down to 40 samples,
+        To try, s; a third of the longest recording, a ninth and so on, down to 15 samples,
         unless given.
 
     Returns
@@ -339,7 +340,7 @@ def best_length(
 def _ladder(records: Sequence[Record]) -> list[float]:
     whole = max(float(record.t[-1] - record.t[0]) for record in records)
     steps = numpy.concatenate([numpy.diff(record.t) for record in records])
-    shortest = 40 * float(numpy.median(steps))
+    shortest = LEAST * float(numpy.median(steps))
     lengths = [whole]
     while lengths[-1] / 3 > shortest:
         lengths.append(lengths[-1] / 3)

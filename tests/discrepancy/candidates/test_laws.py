@@ -103,7 +103,9 @@ def test_compliant_coupling_of_two_masses():
     rigid = assemble(
         "rigid", Se("push", 3) >> v >> I("m1", 2), v >> w, w >> (I("m2", 1), Se("pull", 0))
     )
-    grown = graft(rigid, "compliant_coupling", "bond v>w", parameters={"stiffness": 60, "damping": 0.4})
+    grown = graft(
+        rigid, "compliant_coupling", "bond v>w", parameters={"stiffness": 60, "damping": 0.4}
+    )
     t = numpy.linspace(0, 2, 41)
     trajectory = run(grown.graph, 2.0, t_eval=t)
 
@@ -133,8 +135,9 @@ def test_overflow_settles_where_it_carries_the_inflow():
 
 def test_a_delay_shifts_a_slow_sine():
     """Two Pade sections of a delay T err in phase by w^3 (T/2)^3 / 12 each."""
-    from bondgraph import TIME
     from sympy import sin
+
+    from bondgraph import TIME
 
     v = One("v")
     graph = assemble("g", Sf("drive", sin(2 * TIME)) >> v >> R("r", 1), outputs={"v": v.f})
@@ -148,7 +151,9 @@ def test_fade_weakens_a_damper_by_the_heat_it_made():
     """Without cooling the damper's coefficient is exp(-fade x heat), heat the lost kinetic energy."""
     v = One("v")
     body = assemble("body", v >> (I("m", 2, initial=8), R("brake", 3)))
-    grown = graft(body, "thermal_fade", "dissipator brake", parameters={"fade": 0.1, "cooling": 1e-12})
+    grown = graft(
+        body, "thermal_fade", "dissipator brake", parameters={"fade": 0.1, "cooling": 1e-12}
+    )
     t = numpy.linspace(0, 3, 31)
     trajectory = run(grown.graph, 3.0, t_eval=t)
 
@@ -156,7 +161,9 @@ def test_fade_weakens_a_damper_by_the_heat_it_made():
         return [-3 * numpy.exp(-0.1 * (4**2 - state[0] ** 2)) * state[0] / 2]
 
     assert numpy.allclose(trajectory["m.p"] / 2, reference(rates, [4], 3, t)[0], atol=1e-7)
-    assert trajectory.energy.dissipated == pytest.approx(16 - trajectory["m.p"][-1] ** 2 / 4, rel=1e-6)
+    assert trajectory.energy.dissipated == pytest.approx(
+        16 - trajectory["m.p"][-1] ** 2 / 4, rel=1e-6
+    )
 
 
 def test_added_inertia_joins_the_one_that_is_there():

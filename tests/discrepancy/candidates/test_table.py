@@ -22,10 +22,31 @@ from bondgraph.discrepancy.candidates import (
 from bondgraph.discrepancy.candidates.places import KINDS
 from bondgraph.errors import LawError
 
-CONTRACT = """viscous_damping coulomb_friction stribeck_friction lugre_friction quadratic_drag
-linear_stiffness cubic_stiffness dead_zone end_stop hysteresis effort_bias flow_bias leakage overflow
-saturation orifice_flow nonlinear_inertance added_inertia compliant_coupling transport_delay sensor_bias
-thermal_fade run_out""".split()
+CONTRACT = [
+    "viscous_damping",
+    "coulomb_friction",
+    "stribeck_friction",
+    "lugre_friction",
+    "quadratic_drag",
+    "linear_stiffness",
+    "cubic_stiffness",
+    "dead_zone",
+    "end_stop",
+    "hysteresis",
+    "effort_bias",
+    "flow_bias",
+    "leakage",
+    "overflow",
+    "saturation",
+    "orifice_flow",
+    "nonlinear_inertance",
+    "added_inertia",
+    "compliant_coupling",
+    "transport_delay",
+    "sensor_bias",
+    "thermal_fade",
+    "run_out",
+]
 ALL = pytest.mark.parametrize("effect", EFFECTS.values(), ids=EFFECTS)
 
 
