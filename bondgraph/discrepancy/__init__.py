@@ -1,11 +1,14 @@
 """Model against measured data: where they disagree, and what effect is missing.
 
 Each stage is a function from one frozen value to the next and can be used alone. `measurement`
-holds recordings, `fitting` brings parameters to them.
-holds recordings, `residual` tells where a model disagrees with one.
+holds recordings, `fitting` brings parameters to them, `residual` tells where a model disagrees with
+one, `candidates` holds the effects that may be missing, `screening` scores them at all sites, and
+`grafting` grows one into the graph.
 """
 
-from .measurement import Measurement
+from .candidates import EFFECTS, Effect
+from .grafting import Grafted, Site, graft, sites
+from .measurement import Matched, Measurement, matched, read_all
 from .residual import (
     Band,
     Coherence,
@@ -33,8 +36,20 @@ from .residual import (
     residuals,
     whiteness,
 )
+from .screening import Screening, screen
 
 __all__ = [
+    "EFFECTS",
+    "Effect",
+    "Grafted",
+    "Matched",
+    "Screening",
+    "Site",
+    "graft",
+    "matched",
+    "read_all",
+    "screen",
+    "sites",
     "Measurement",
     "Band",
     "Coherence",

@@ -137,10 +137,6 @@ def test_overflow_settles_where_it_carries_the_inflow():
 
 def test_a_delay_shifts_a_slow_sine():
     """Two Pade sections of a delay T err in phase by w^3 (T/2)^3 / 12 each."""
-    from sympy import sin
-
-    from bondgraph import TIME
-
     v = One("v")
     graph = assemble("g", Sf("drive", sin(2 * TIME)) >> v >> R("r", 1), outputs={"v": v.f})
     grown = graft(graph, "transport_delay", "output v", parameters={"delay": 0.3})
