@@ -22,6 +22,7 @@ if TYPE_CHECKING:
         spectrum,
     )
     from .discrepancy.fitting import Fit, fit
+    from .discrepancy.measurement import Measurement
     from .elements import (
         GY,
         RS,
@@ -89,6 +90,7 @@ _HOME = {
     "EndStop": "elements",
     "Equations": "equations",
     "Fit": "discrepancy.fitting",
+    "Measurement": "discrepancy.measurement",
     "Friction": "elements",
     "GY": "elements",
     "Heat": "elements",
@@ -180,6 +182,7 @@ __all__ = [
     "linearize",
     "LinearSystem",
     "load",
+    "Measurement",
     "One",
     "Outcome",
     "Output",

@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 __all__ = ["Stepper"]
 
 FAC_MIN, FAC_MAX, SAFETY, BETA = 0.2, 5.0, 0.9, 0.04
+# A first step may grow so often, by so much, where it is shorter than such a share of the run.
+MAX_GROWTHS, GROWTH, SHORT = 8, 32.0, 1e-9
 WOBBLE = 1.0 / 1048576.0
 MAX_BAD, MAX_SHRINKS, MAX_HALVINGS = 20, 6, 6
 EPSILON, TINY = float(np.finfo(float).eps), float(np.finfo(float).tiny)
@@ -141,7 +143,8 @@ class Stepper:
         self.instants: deque[float] = deque(maxlen=window)
 
         self.h, self.log_error = 0.0, math.log(1e-4)
-        self.bad = self.shrinks = self.halvings = self.futile = 0
+        self.bad = self.shrinks = self.halvings = self.futile = self.growths = 0
+        self.h_first = self.last_error = 0.0
         self.after_rejection = self.started = self.keep_step = False
         self.steps = self.rejected = self.evaluations = self.next_eval = 0
         self.record: list[Array] | None = [] if options.record else None
@@ -510,8 +513,11 @@ class Stepper:
             off = np.where((self.code != 0) & self.fresh, np.abs(g), -g)
             self.noise = np.maximum(noise[: self.k], 1.1 * off)
             self.armed = g > self.noise
+        self.growths = 0
         if not self.keep_step:
             self.first_step()
+            self.h = max(self.h, 100 * _ulp(self.t))
+            self.growths = MAX_GROWTHS
             self.log_error = math.log(1e-4)
         self.keep_step = self.after_rejection = False
         self.bad = self.shrinks = self.halvings = 0
@@ -534,6 +540,38 @@ class Stepper:
         self.rejected += 1
         self.after_rejection = True
         self.h = h
+
+    def forgiven(self, h: float) -> float:
+        """The error with states measured by the energy at the end of the step, which was rest before.
+
+        What grows from zero with a high power of time has no small relative error in any step.
+        """
+        n, floor = self.n, self.floor
+        amplitude = 1e-7 * math.sqrt(2 * abs(self.energy0 + self.x_new[n] - self.x_new[n + 1]))
+        self.floor = np.maximum(floor, self.weights * amplitude)
+        error = self.error_norm(h)
+        self.floor = floor
+        return error
+
+    def after_error(self, h: float, error: float) -> float:
+        """The length to try after one whose error was too large.
+
+        What begins to slip at no speed may be given a first step so short that its error is rounding,
+        of which a longer step has less: longer ones are tried as long as that does not make it worse.
+        """
+        shorter = h / min(1 / FAC_MIN, error**0.2 / SAFETY)
+        first = self.growths == MAX_GROWTHS
+        short = h < SHORT * (self.t_end - self.t_begin)
+        if self.growths and (short if first else error < 2 * self.last_error):
+            if first:
+                self.h_first = shorter
+            self.growths -= 1
+            self.last_error = error
+            return GROWTH * h
+        if self.growths and not first:
+            shorter = self.h_first
+        self.growths = 0
+        return shorter
 
     def next_stop(self) -> float:
         """The time that no step may cross."""
@@ -566,8 +604,11 @@ class Stepper:
                 raise _End(Outcome.NON_FINITE)
             return
         error = self.error_norm(h)
+        short = self.growths and h < SHORT * (self.t_end - self.t_begin)
+        if error > 1 and (short or self.energy == 0):
+            error = self.forgiven(h)
         if not error <= 1:
-            self.reject(h / min(1 / FAC_MIN, error**0.2 / SAFETY))
+            self.reject(self.after_error(h, error))
             return
         if np.any(np.abs(self.x_new[: self.n]) > self.options.bound):
             raise _End(Outcome.DIVERGED)
@@ -613,7 +654,7 @@ class Stepper:
         self.sample[0] = self.sample[4]
         self.t = self.t_new
         self.steps += 1
-        self.bad = self.halvings = 0
+        self.bad = self.halvings = self.growths = 0
         self.energy = max(self.energy, abs(self.energy0 + self.x[n] - self.x[n + 1]))
         amplitude = 1e-7 * math.sqrt(2 * self.energy)
         self.floor = np.maximum(

@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 import sympy
+from scipy.integrate import solve_ivp
 
 from bondgraph import (
     C,
@@ -24,6 +25,7 @@ from bondgraph import (
     simulate,
 )
 from bondgraph.errors import BondGraphError, ParameterError, SimulationError
+from bondgraph.graph import TIME
 from bondgraph.models import LIBRARY, mass_on_belt, quarter_car
 from tests.oracles.belt import Belt
 
@@ -310,3 +312,26 @@ def test_a_tank_drains_through_an_orifice():
     expected = (math.sqrt(8) - run.t / (4 * math.sqrt(2))) ** 2
     assert run["tank.q"] == pytest.approx(expected, rel=1e-7)
     assert run["hole.e"] == pytest.approx(4 * run["hole.f"] ** 2)
+
+
+@pytest.mark.parametrize("level", [0.8, 0.05, 3.0])
+@pytest.mark.parametrize("backend", ["native", "vm"])
+def test_breaking_loose_under_a_force_that_rises_smoothly(level, backend):
+    """Slip begins with no speed and no acceleration: all that a first step sees is rounding."""
+    v = One("v")
+    graph = assemble(
+        "block",
+        Se("F", 8 * sympy.sin(9 * TIME))
+        >> v
+        >> (I("m", 1), R("b", 2), Friction("c", kinetic=lambda speed: sympy.Rational(str(level)))),
+    )
+    run = simulate(graph, 0.3, t_eval=[0.1, 0.3], backend=backend, rtol=1e-9)
+    assert run.outcome.ok
+    begin = math.asin(level / 8) / 9
+    assert run.events[0].t == pytest.approx(begin, abs=1e-12) and run.events[0].to_mode == "slip+"
+
+    def rate(t, p):
+        return 8 * np.sin(9 * t) - level - 2 * p
+
+    exact = solve_ivp(rate, (begin, 0.3), [0.0], t_eval=[0.1, 0.3], rtol=1e-11, atol=1e-13)
+    assert run["m.p"] == pytest.approx(exact.y[0], rel=1e-7)

@@ -125,7 +125,7 @@ Share = tuple[Effect, Coefficient, sympy.Expr]
 
 def _shares(effects: Iterable[Effect], site: Site, scale: Scale | None) -> list[Share]:
     """Return what each coefficient of each effect that fits is multiplied by; nothing twice."""
-    found = []
+    found: list[Share] = []
     for effect in effects:
         if not site.fits(effect):
             continue

@@ -263,9 +263,8 @@ def scales_of(
         if site.kind not in JUNCTIONS:
             continue
         signals = [_ports(run, label) for label in site.at]
-        efforts, flows = (
-            [signal[k] for signal in signals if signal[k] is not None] for k in (0, 1)
-        )
+        efforts = [effort for effort, _ in signals if effort is not None]
+        flows = [flow for _, flow in signals if flow is not None]
         shared = flows if site.kind in (FLOW_JUNCTION, FLOW_PAIR) else efforts
         if len(shared) != len(site.at):
             continue

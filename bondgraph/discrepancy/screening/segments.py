@@ -188,7 +188,7 @@ def segmented(
             except BondGraphError as error:
                 skipped.append((number, float(record.t[rows.start]), str(error)))
                 continue
-            reduced = numpy.linalg.qr(numpy.vstack([reduced, block]), mode="r")
+            reduced = numpy.asarray(numpy.linalg.qr(numpy.vstack([reduced, block]), mode="r"))
             count += len(block) - own
     if not count:
         why = skipped[0][2] if skipped else "recordings are shorter than a segment"

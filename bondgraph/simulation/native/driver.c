@@ -44,8 +44,8 @@ typedef struct {
     double *record; /* [n+3] each: t, length, events before, x, of every step; or NULL */
     /* private */
     i64 phase, outcome, mode, knot, next_eval, started, keep_step, unresolved, event_pending;
-    i64 after_rejection, bad, shrinks, halvings, futile, settled, dense_ready;
-    double h, h_used, reached, t_new, t_begin, log_error, energy;
+    i64 after_rejection, bad, shrinks, halvings, futile, settled, dense_ready, growths;
+    double h, h_used, reached, t_new, t_begin, log_error, energy, h_first, last_error;
     double *x, *x_new, *slope, *stage, *s, *s_probe, *wobbled, *flat;
     double *probe, *noise, *probe_noise, *instants;
     signed char *next, *armed, *armed_low, *fired, *fresh;
@@ -55,9 +55,11 @@ typedef struct {
 /* ---------------------------------------------------------------------------- constants */
 
 static const double FAC_MIN = 0.2, FAC_MAX = 5.0, SAFETY = 0.9, BETA = 0.04;
+/* A first step may grow by so much where it is shorter than such a share of the run. */
+static const double GROWTH = 32.0, SHORT = 1e-9;
 static const double WOBBLE = 1.0 / 1048576.0; /* relative change of x that shows rounding of g */
 #define WINDOW(k) (64 + 8 * (k))              /* events that must not share one instant */
-enum { MAX_BAD = 20, MAX_SHRINKS = 6, MAX_HALVINGS = 6 };
+enum { MAX_BAD = 20, MAX_SHRINKS = 6, MAX_HALVINGS = 6, MAX_GROWTHS = 8 };
 
 static double smaller(double a, double b) { return a < b ? a : b; }
 static double ulp(double t) { return DBL_EPSILON * larger(fabs(t), DBL_MIN); }
@@ -736,8 +738,11 @@ static i64 restart(Run *r)
             r->armed[j] = sample(r, 0)[j] > r->noise[j];
         }
     }
+    r->growths = 0;
     if (!r->keep_step) {
         first_step(r);
+        r->h = larger(r->h, 100 * ulp(r->t));
+        r->growths = MAX_GROWTHS;
         r->log_error = log(1e-4);
     }
     r->keep_step = 0;
@@ -769,6 +774,43 @@ static i64 step_was_bad(Run *r, double h)
     return ++r->bad > MAX_BAD ? conclude(r, NON_FINITE) : CONTINUE;
 }
 
+/*
+ * The error with states measured by the energy at the end of the step, which was rest before: what
+ * grows from zero with a high power of time has no small relative error in any step.
+ */
+static double forgiven(Run *r, double h)
+{
+    const i64 n = r->n;
+    const double amplitude = 1e-7 * sqrt(2 * fabs(r->energy0 + r->x_new[n] - r->x_new[n + 1]));
+    memcpy(r->wobbled, r->at.floor, (size_t)n * sizeof(double));
+    for (i64 i = 0; i < n; i++)
+        r->at.floor[i] = larger(r->at.floor[i], r->weights[i] * amplitude);
+    r->evaluations--; /* slope 7 is made again, as it was */
+    const double error = finish(r, h);
+    memcpy(r->at.floor, r->wobbled, (size_t)n * sizeof(double));
+    return error;
+}
+
+/*
+ * The length to try after one whose error was too large. What begins to slip at no speed may be
+ * given a first step so short that its error is rounding, of which a longer step has less: longer
+ * ones are tried as long as that does not make it worse.
+ */
+static double after_error(Run *r, double h, double error)
+{
+    double shorter = h / smaller(1 / FAC_MIN, pow(error, 0.2) / SAFETY);
+    const int first = r->growths == MAX_GROWTHS, is_short = h < SHORT * (r->t_end - r->t_begin);
+    if (r->growths && (first ? is_short : error < 2 * r->last_error)) {
+        if (first) r->h_first = shorter;
+        r->growths--;
+        r->last_error = error;
+        return GROWTH * h;
+    }
+    if (r->growths && !first) shorter = r->h_first;
+    r->growths = 0;
+    return shorter;
+}
+
 static double next_stop(const Run *r)
 {
     return r->knot + 1 < r->n_knots ? smaller(r->knots[r->knot + 1], r->t_end) : r->t_end;
@@ -789,12 +831,14 @@ static i64 step(Run *r)
     if (clipped) h = stop - r->t;
     else if (!(h > 10 * ulp(r->t))) return conclude(r, r->bad ? NON_FINITE : STEP_UNDERFLOW);
 
-    const double error = advance(r, h) ? -1 : finish(r, h);
+    double error = advance(r, h) ? -1 : finish(r, h);
     if (!(error >= 0)) return step_was_bad(r, h);
+    const int is_short = r->growths && h < SHORT * (r->t_end - r->t_begin);
+    if (error > 1 && (is_short || r->energy == 0)) error = forgiven(r, h);
     if (error > 1) {
         r->rejected++;
         r->after_rejection = 1;
-        r->h = h / smaller(1 / FAC_MIN, pow(error, 0.2) / SAFETY);
+        r->h = after_error(r, h, error);
         return CONTINUE;
     }
     for (i64 i = 0; i < r->n; i++)
@@ -843,7 +887,7 @@ static void commit(Run *r)
     memcpy(sample(r, 0), sample(r, 4), 2 * (size_t)r->k * sizeof(double));
     r->t = r->at.t = r->t_new;
     r->steps++;
-    r->bad = r->halvings = 0;
+    r->bad = r->halvings = r->growths = 0;
     r->energy = larger(r->energy, fabs(r->energy0 + r->x[n] - r->x[n + 1]));
     const double amplitude = 1e-7 * sqrt(2 * r->energy);
     for (i64 i = 0; i < n; i++) {

@@ -38,12 +38,6 @@ def first_of_each(places):
 
 
 FEW = first_of_each(PLACES[::-1])
-# An input that rises smoothly breaks these loose with no acceleration; the step then underflows.
-UNDERFLOWS = {
-    ("two_mass_chain", "stribeck_friction", "first"),
-    ("thermal_brake", "stribeck_friction", "wheel"),
-    ("thermal_brake", "coulomb_friction", "wheel"),
-}
 # Zero or infinity is a limit here, not a value: 1/delay, 1/inertance where it is alone, stiffness.
 LIMITS = {"transport_delay", "compliant_coupling", "added_inertia"}
 
@@ -121,14 +115,7 @@ def check_absence(place):
         assert gap <= (1e-4 if by_limit else 1e-9) * size, name
 
 
-def runs(places):
-    known = pytest.mark.xfail(reason="breakaway without acceleration: step underflow")
-    return [
-        pytest.param(p, marks=known) if (*p[:2], p[2].name) in UNDERFLOWS else p for p in places
-    ]
-
-
-@pytest.mark.parametrize("place", runs(FEW), ids=label)
+@pytest.mark.parametrize("place", FEW, ids=label)
 def test_it_runs_and_dissipates(place):
     check_run(place)
 
@@ -139,7 +126,7 @@ def test_absent_it_leaves_the_machine_as_it_was(place):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("place", runs(PLACES), ids=label)
+@pytest.mark.parametrize("place", PLACES, ids=label)
 def test_it_runs_and_dissipates_everywhere(place):
     check_run(place)
 
