@@ -98,19 +98,8 @@ def equations(model: str, form: str, settings: tuple[str, ...], as_json: bool) -
 @click.command()
 @opt.model_argument
 @click.option("--until", required=True, metavar="T", help="End of the run, s.")
-@click.option("--rtol", default="1e-6", metavar="R", help="Relative tolerance (default 1e-6).")
 @opt.set_option
-@click.option(
-    "--initial", "start", multiple=True, metavar="NAME=VALUE", help="Initial state. Repeatable."
-)
-@click.option(
-    "--input",
-    "files",
-    multiple=True,
-    metavar="NAME=FILE.csv",
-    help="Input over time, held between samples as FILE.csv:zero, :linear (default) or :band "
-    "say; or NAME=VALUE.",
-)
+@opt.run_options
 @click.option(
     "--points",
     type=click.IntRange(2, 10_000_000),
@@ -118,18 +107,6 @@ def equations(model: str, form: str, settings: tuple[str, ...], as_json: bool) -
 )
 @click.option(
     "--smooth", metavar="WIDTH", help="For comparison: tanh friction of this slip width, m/s."
-)
-@click.option(
-    "--backend",
-    type=click.Choice(["auto", "native", "vm"]),
-    default="auto",
-    help="Compiled C or not.",
-)
-@click.option(
-    "--solver",
-    type=click.Choice(["auto", "dopri5", "cvodes", "idas", "rosenbrock"]),
-    default="auto",
-    help="Integrator; auto looks at the model and says why.",
 )
 @click.option(
     "--out",

@@ -26,6 +26,41 @@ def set_option(function: Callable[..., Any]) -> Callable[..., Any]:
     )
 
 
+def run_options(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Add what decides a run beside its parameters: tolerance, start, inputs, solver, backend."""
+    for option in reversed(_RUN):
+        function = option(function)
+    return function
+
+
+_RUN = (
+    click.option("--rtol", default="1e-6", metavar="R", help="Relative tolerance (default 1e-6)."),
+    click.option(
+        "--initial", "start", multiple=True, metavar="NAME=VALUE", help="Initial state. Repeatable."
+    ),
+    click.option(
+        "--input",
+        "files",
+        multiple=True,
+        metavar="NAME=FILE.csv",
+        help="Input over time, held between samples as FILE.csv:zero, :linear (default) or :band "
+        "say; or NAME=VALUE.",
+    ),
+    click.option(
+        "--solver",
+        type=click.Choice(["auto", "dopri5", "cvodes", "idas", "rosenbrock"]),
+        default="auto",
+        help="Integrator; auto looks at the model and says why.",
+    ),
+    click.option(
+        "--backend",
+        type=click.Choice(["auto", "native", "vm"]),
+        default="auto",
+        help="Compiled C or not.",
+    ),
+)
+
+
 def json_option(function: Callable[..., Any]) -> Callable[..., Any]:
     """Add ``--json``."""
     return click.option(

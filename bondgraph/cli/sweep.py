@@ -48,30 +48,8 @@ EXECUTORS = ("auto", "serial", "threads", "processes")
 )
 @click.option("--count", type=click.IntRange(1), help="Number of points of a drawn design.")
 @click.option("--seed", type=click.IntRange(0), default=0, help="Of a drawn design (default 0).")
-@click.option("--rtol", default="1e-6", metavar="R", help="Relative tolerance (default 1e-6).")
 @opt.set_option
-@click.option(
-    "--initial", "start", multiple=True, metavar="NAME=VALUE", help="Initial state. Repeatable."
-)
-@click.option(
-    "--input",
-    "files",
-    multiple=True,
-    metavar="NAME=FILE.csv",
-    help="Input over time, NAME=FILE.csv:zero|linear|band, or NAME=VALUE.",
-)
-@click.option(
-    "--solver",
-    type=click.Choice(["auto", "dopri5", "cvodes", "idas", "rosenbrock"]),
-    default="auto",
-    help="Integrator; stiff models: cvodes.",
-)
-@click.option(
-    "--backend",
-    type=click.Choice(["auto", "native", "vm"]),
-    default="auto",
-    help="Compiled C or not.",
-)
+@opt.run_options
 @click.option(
     "--executor", type=click.Choice(EXECUTORS), default="auto", help="Where runs are done."
 )

@@ -541,6 +541,10 @@ class Stepper:
         self.after_rejection = True
         self.h = h
 
+    def is_short(self, h: float) -> bool:
+        """Whether a first step is so short that its error may be rounding."""
+        return h < SHORT * (self.t_end - self.t_begin)
+
     def forgiven(self, h: float) -> float:
         """The error with states measured by the energy at the end of the step, which was rest before.
 
@@ -561,8 +565,7 @@ class Stepper:
         """
         shorter = h / min(1 / FAC_MIN, error**0.2 / SAFETY)
         first = self.growths == MAX_GROWTHS
-        short = h < SHORT * (self.t_end - self.t_begin)
-        if self.growths and (short if first else error < 2 * self.last_error):
+        if self.growths and (self.is_short(h) if first else error < 2 * self.last_error):
             if first:
                 self.h_first = shorter
             self.growths -= 1
@@ -604,8 +607,7 @@ class Stepper:
                 raise _End(Outcome.NON_FINITE)
             return
         error = self.error_norm(h)
-        short = self.growths and h < SHORT * (self.t_end - self.t_begin)
-        if error > 1 and (short or self.energy == 0):
+        if error > 1 and ((self.growths and self.is_short(h)) or self.energy == 0):
             error = self.forgiven(h)
         if not error <= 1:
             self.reject(self.after_error(h, error))

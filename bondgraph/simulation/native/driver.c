@@ -774,6 +774,9 @@ static i64 step_was_bad(Run *r, double h)
     return ++r->bad > MAX_BAD ? conclude(r, NON_FINITE) : CONTINUE;
 }
 
+/* Whether a first step is so short that its error may be rounding. */
+static int is_short(const Run *r, double h) { return h < SHORT * (r->t_end - r->t_begin); }
+
 /*
  * The error with states measured by the energy at the end of the step, which was rest before: what
  * grows from zero with a high power of time has no small relative error in any step.
@@ -799,8 +802,8 @@ static double forgiven(Run *r, double h)
 static double after_error(Run *r, double h, double error)
 {
     double shorter = h / smaller(1 / FAC_MIN, pow(error, 0.2) / SAFETY);
-    const int first = r->growths == MAX_GROWTHS, is_short = h < SHORT * (r->t_end - r->t_begin);
-    if (r->growths && (first ? is_short : error < 2 * r->last_error)) {
+    const int first = r->growths == MAX_GROWTHS;
+    if (r->growths && (first ? is_short(r, h) : error < 2 * r->last_error)) {
         if (first) r->h_first = shorter;
         r->growths--;
         r->last_error = error;
@@ -833,8 +836,7 @@ static i64 step(Run *r)
 
     double error = advance(r, h) ? -1 : finish(r, h);
     if (!(error >= 0)) return step_was_bad(r, h);
-    const int is_short = r->growths && h < SHORT * (r->t_end - r->t_begin);
-    if (error > 1 && (is_short || r->energy == 0)) error = forgiven(r, h);
+    if (error > 1 && ((r->growths && is_short(r, h)) || r->energy == 0)) error = forgiven(r, h);
     if (error > 1) {
         r->rejected++;
         r->after_rejection = 1;
