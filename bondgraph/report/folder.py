@@ -15,9 +15,7 @@ from .words import slug
 
 def panels_of(sections: Iterable[Section]) -> list[Panel]:
     """Return the plots of all sections, in order."""
-    return [
-        panel for section in sections for figure in section.figures for panel in figure.panels
-    ]
+    return [panel for section in sections for figure in section.figures for panel in figure.panels]
 
 
 def drawn(sections: Iterable[Section]) -> dict[str, str]:
