@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from ..discrepancy.discovery import Course, Gap, LearnedLaw
 
 DOTS = 160  # more samples than this are a line
+LINES = 45  # of a spectrum that are told apart, by a factor of e in frequency
 MOST_POINTS = 700  # of a cloud: more only make it heavier
 _BEFORE: dict[str, Any] = {"color": RED, "ls": "--", "lw": 1.3}
 _AFTER: dict[str, Any] = {"color": BLUE, "ls": "-", "lw": 1.3}
@@ -178,6 +179,7 @@ def gap_spectra(
         if found.floor_density > 0:
             ax.axhline(found.floor_density, color=INK, lw=1.0, ls="-.", label="noise floor")
         ax.set_ylabel(f"density of {found.signal} [{pretty(f'({found.unit or 1})^2/Hz')}]")
+    ax.set_xscale("log")
     ax.set_yscale("log")
     ax.set_xlabel("frequency [Hz]")
     ax.margins(x=0.01)
@@ -186,9 +188,15 @@ def gap_spectra(
 
 
 def _density(ax: Axes, found: Any, label: str, style: dict[str, Any]) -> None:
-    """Draw a spectrum; of very many lines the largest of each few, so that no peak is lost."""
-    shown = envelope(found.frequency[1:], found.density[1:])
-    ax.plot(shown.t, shown.high, label=label, **style)
+    """Draw a spectrum; lines nearer together than the eye can tell are one, their mean."""
+    frequency, density = found.frequency[1:], found.density[1:]
+    if not len(frequency):
+        return
+    place = numpy.floor(LINES * numpy.log(frequency / frequency[0]))
+    starts = numpy.flatnonzero(numpy.diff(place, prepend=-1.0))
+    counts = numpy.diff(starts, append=len(place))
+    means = [numpy.add.reduceat(column, starts) / counts for column in (frequency, density)]
+    ax.plot(*means, label=label, **style)
 
 
 def learned_law(law: LearnedLaw, *, ax: Axes | None = None) -> Axes:
