@@ -80,7 +80,10 @@ def _distance(course: Course, signal: str) -> float:
 
 def _rms(values: Array) -> float:
     fine = values[numpy.isfinite(values)]
-    return float(numpy.sqrt(numpy.mean(fine**2))) if len(fine) else 0.0
+    if not len(fine):
+        return 0.0
+    largest = float(numpy.abs(fine).max()) or 1.0  # squares of what diverged overflow
+    return largest * float(numpy.sqrt(numpy.mean((fine / largest) ** 2)))
 
 
 def _farthest(courses: Iterable[Course], signal: str) -> Course | None:
@@ -127,9 +130,10 @@ def _close_up(course: Course, signal: str) -> tuple[float, float] | None:
     count = len(course.t)
     if count <= LONG:
         return None
-    gap = numpy.nan_to_num(course.measured[signal] - course.before[signal]) ** 2
+    gap = numpy.nan_to_num(course.measured[signal] - course.before[signal], posinf=0, neginf=0)
+    share = (gap / (numpy.abs(gap).max() or 1.0)) ** 2
     width = int(numpy.clip(PERIODS * _period(course.measured[signal]), 40, count // 4))
-    total = numpy.concatenate([[0.0], numpy.cumsum(gap)])
+    total = numpy.concatenate([[0.0], numpy.cumsum(share)])
     start = int(numpy.argmax(total[width:] - total[:-width]))
     return float(course.t[start]), float(course.t[min(start + width, count - 1)])
 

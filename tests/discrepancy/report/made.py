@@ -21,7 +21,6 @@ from bondgraph.discrepancy.discovery import (
     Verdict,
 )
 from bondgraph.discrepancy.fitting import fit
-from bondgraph.parameters import Parameter
 from tests.discrepancy.machines import mass_spring
 
 NOISE = {"x": 2e-4, "v": 4e-3}
@@ -80,12 +79,15 @@ def estimates(done, names, units):
 
 def with_values(graph, values):
     rows = {
-        symbol: Parameter(values[symbol.name], "", row.meaning, row.source)
-        if False
-        else (replace(row, value=values[symbol.name]) if symbol.name in values else row)
+        symbol: replace(row, value=values[symbol.name]) if symbol.name in values else row
         for symbol, row in graph.parameters.items()
     }
     return replace(graph, parameters=rows)
+
+
+def plain(found):
+    """The same without what makes plots, where a test is not about these."""
+    return replace(found, train=(), validation=(), laws=(), gap={})
 
 
 @functools.cache
@@ -94,7 +96,7 @@ def named():
     model = mass_spring()
     truth = graft(model, "coulomb_friction", "carriage", parameters={"level": 1.5})
     train, held = (recording(truth.graph, {"b": 5.0}, kind) for kind in ("train", "validation"))
-    plain = fit(model, train, FREE, noise=NOISE)
+    alone = fit(model, train, FREE, noise=NOISE)
     grown = graft(model, "coulomb_friction", "carriage")
     done = fit(grown.graph, train, (*FREE, grown.parameters["level"]), noise=NOISE)
     other = graft(model, "viscous_damping", "carriage")
@@ -115,7 +117,7 @@ def named():
         {"damping": Estimate(3.1, math.inf, "N*s/m")},
         101.2,
     )
-    before, after = (model, plain.values), (grown.graph, done.values)
+    before, after = (model, alone.values), (grown.graph, done.values)
     courses = [course(run, before, after) for run in (train, held)]
     given = [course(run, (model, {}), (model, {})) for run in (train, held)]
     speed = courses[0].after["v"]
@@ -142,7 +144,7 @@ def named():
         ("removes 11 % of the held-out gap, less than half",),
         other.diff,
     )
-    itself = Explanation((), model, plain, 0.0, 0.0)
+    itself = Explanation((), model, alone, 0.0, 0.0)
     return Discovery(
         graph=model,
         verdict=Verdict.NAMED,
