@@ -172,9 +172,10 @@ def gap_spectra(
     shown = [found for found in (before, after) if found is not None]
     for found in shown[:1]:
         _density(ax, found.measured, "measured", {"color": "#9aa1ab", "ls": ":", "lw": 1.2})
-    for found, label, style in ((before, "before", _BEFORE), (after, "after", _AFTER)):
-        if found is not None:
-            _density(ax, found.gap, label, style)
+    if before is not None:
+        _density(ax, before.gap, "before", _BEFORE)
+    if after is not None:
+        _density(ax, after.gap, "after", _AFTER)
     for found in shown[:1]:
         if found.floor_density > 0:
             ax.axhline(found.floor_density, color=INK, lw=1.0, ls="-.", label="noise floor")

@@ -123,8 +123,9 @@ def test_options_may_stand_first(files, engine):
 def test_people_read_verdict_gaps_changes_and_advice(files, engine):
     found = engine.result
     done = call("discover", "m.toml", "train.csv", "--report", "out")
-    for text in (*found.words, *found.advice, *found.unseen, *found.warnings, *found.diff):
+    for text in (*found.words, *found.advice, *found.unseen, *found.warnings, found.diff[0]):
         assert text in done.stdout
+    assert "coulomb_friction_level' = 1.49" in done.stdout  # the fitted value, not the first one
     (effect,) = found.effects
     level = effect.parameters["level"]
     assert f"{level.value:.4f} ± {level.std:.2g} N" in done.stdout

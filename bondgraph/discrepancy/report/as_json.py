@@ -23,6 +23,26 @@ def to_json(found: Discovery, improved_model: str | None = None) -> dict[str, An
     dict
         Numbers are SI. What is not finite is None: a standard deviation that the data do not
         tell, a gap of a model that did not run.
+
+    Examples
+    --------
+    >>> import sympy
+    >>> from bondgraph import C, One, R, assemble
+    >>> from bondgraph.discrepancy import Measurement
+    >>> from bondgraph.discrepancy.discovery import Discovery, Explanation, Verdict
+    >>> from bondgraph.discrepancy.fitting import fit
+    >>> tau = sympy.Symbol("tau", positive=True)
+    >>> bonds = One("loop") >> (R("r", tau), C("c", 1, initial=2))
+    >>> graph = assemble("decay", bonds, parameters={tau: 1})
+    >>> done = fit(graph, Measurement([0, 1, 2], {"c.q": [2, 0.74, 0.27]}), ["tau"])
+    >>> itself = Explanation((), graph, done, delta_bic=0.0, removed=0.0)
+    >>> none = {"effects": (), "alternatives": (), "gap": {}, "improved": None, "laws": ()}
+    >>> none |= {"parameters": {}, "nominal": {}, "train": (), "validation": ()}
+    >>> words = ("Nothing is missing.",)
+    >>> found = Discovery(graph, Verdict.NONE, ranked=(itself,), chosen=itself, words=words, **none)
+    >>> told = to_json(found)
+    >>> told["verdict"], told["effects"], told["words"]
+    ('none', [], ['Nothing is missing.'])
     """
     return {
         "schema": 1,

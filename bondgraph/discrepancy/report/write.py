@@ -69,6 +69,28 @@ def write_report(found: Discovery, folder: str | Path) -> Written:
     ------
     BondGraphError
         Where the folder cannot be written.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> import sympy
+    >>> from bondgraph import C, One, R, assemble
+    >>> from bondgraph.discrepancy import Measurement
+    >>> from bondgraph.discrepancy.discovery import Discovery, Explanation, Verdict
+    >>> from bondgraph.discrepancy.fitting import fit
+    >>> tau = sympy.Symbol("tau", positive=True)
+    >>> bonds = One("loop") >> (R("r", tau), C("c", 1, initial=2))
+    >>> graph = assemble("decay", bonds, parameters={tau: 1})
+    >>> done = fit(graph, Measurement([0, 1, 2], {"c.q": [2, 0.74, 0.27]}), ["tau"])
+    >>> itself = Explanation((), graph, done, delta_bic=0.0, removed=0.0)
+    >>> none = {"effects": (), "alternatives": (), "gap": {}, "improved": None, "laws": ()}
+    >>> none |= {"parameters": {}, "nominal": {}, "train": (), "validation": ()}
+    >>> words = ("Nothing is missing.",)
+    >>> found = Discovery(graph, Verdict.NONE, ranked=(itself,), chosen=itself, words=words, **none)
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     page = write_report(found, folder).page
+    ...     page.name, "Nothing is missing." in page.read_text(encoding="utf-8")
+    ('decay.html', True)
     """
     folder = Path(folder)
     improved, remark = _save_improved(found, folder)

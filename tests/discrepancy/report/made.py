@@ -138,7 +138,7 @@ def named():
     second = Explanation(
         (rival,),
         other.graph,
-        plain,
+        alone,
         101.2,
         0.11,
         ("removes 11 % of the held-out gap, less than half",),

@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from bondgraph.discrepancy import EFFECTS
 from bondgraph.discrepancy.discovery import Course, Estimate, Gap
 from bondgraph.discrepancy.report import write_report
 from bondgraph.discrepancy.report.words import headline
@@ -255,3 +256,15 @@ def test_whatever_comes_from_outside_is_escaped(tmp_path):
     )
     page = Page(write_report(dirty, tmp_path).page.read_text(encoding="utf-8"))
     assert page.tags.isdisjoint({"script", "b"}) and evil in page.text
+
+
+def test_every_known_effect_has_formula_letters_and_source(tmp_path):
+    found = made.plain(made.named())
+    effects = tuple(replace(found.effects[0], name=name, words="") for name in EFFECTS)
+    text = write_report(replace(found, effects=effects), tmp_path).page.read_text(encoding="utf-8")
+    page = Page(text)
+    assert text.count("<math ") == sum(len(effect.law) for effect in EFFECTS.values())
+    for effect in EFFECTS.values():
+        assert effect.meaning in page.text and effect.reference in page.text
+    (letters,) = re.findall(r'<p class="note">(f: flow.*?)</p>', text)
+    assert [part.split(":")[0].strip() for part in letters.split(";")] == list("feqpuz")
