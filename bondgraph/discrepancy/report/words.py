@@ -83,7 +83,7 @@ def headline(found: Discovery) -> str:
         return f"Missing: one of {len(labels)} that look alike"
     if found.verdict == Verdict.UNNAMED:
         return "Something is missing, and none of the known effects may be named"
-    return "Nothing is missing that these data show"
+    return "The data show nothing missing"
 
 
 def changed(found: Discovery) -> bool:
