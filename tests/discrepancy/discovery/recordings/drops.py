@@ -21,9 +21,15 @@ MIDDLE = ("Blue_Basketball", "Green_Basketball", "Tennis_Ball", "Volleyball")
 HELD = 0.35  # s, by which every ball has left the hand
 
 _DRAG = one_of(("viscous_damping", "fall"), ("quadratic_drag", "fall"))
-EXPECTED = Expected(("named", "ambiguous"), (_DRAG,))
+EXPECTED = Expected(
+    ("named", "ambiguous"),
+    (_DRAG,),
+    words="air: drag in proportion to speed fits better than to its square (`reference.falls`)",
+)
 EXPECTED_MIDDLE = Expected(
-    ("named", "ambiguous", "unnamed"), (_DRAG | one_of(("effort_bias", "fall")),)
+    ("named", "ambiguous", "unnamed"),
+    (_DRAG | one_of(("effort_bias", "fall")),),
+    words="a constant force, that is a wrong scale of heights, does as well as drag",
 )
 EXPECTED_HEAVY = Expected(("none", "ambiguous"))
 
