@@ -60,7 +60,8 @@ EXPECTED = Expected(
     },
     words="alone, a coupling is the same at any of the sites; only at the bond from the road does "
     "the hub get a speed of its own, and an inertia there then moves. Before that it is in "
-    "derivative causality and does nothing",
+    "derivative causality and does nothing. It starts with the momentum of the rigid wheel, "
+    "inertance times V0/r_r, whatever the inertance",
 )
 EXPECTED_UNSEEN = Expected(
     ("none", "ambiguous"), words="Fig. 6's caliper without the rotor hardly tells of the wheel"

@@ -27,14 +27,19 @@ SLOPE, LOOP = 5e4, 1e3  # N/m, 1/m: what hysteresis adds in small loops, and how
 SHAPES = {"yielding": (0.55, 0.45), "published": (0.8, -1.1)}
 FINE = 16  # a Runge-Kutta step takes two
 
-EXPECTED = Expected(
-    ("named",),
-    (one_of(("hysteresis", "velocity")),),
-    {"hysteresis.level": SLOPE / LOOP, "hysteresis.width": 1 / LOOP},
-    {"m": MASS, "b": DAMPING, "k": STIFFNESS},
-    "exponent 1 in the truth, 2 in the table: level and width are of the right size only; "
-    "with the published loop `unnamed` is right too",
-)
+
+def expected(shape: str = "yielding") -> Expected:
+    """What is missing of one of `SHAPES`; the table's loop hardly explains the published one."""
+    return Expected(
+        ("named",) if shape == "yielding" else ("unnamed", "ambiguous", "named"),
+        (one_of(("hysteresis", "velocity")),),
+        {"hysteresis.level": SLOPE / LOOP, "hysteresis.width": 1 / LOOP},
+        {"m": MASS, "b": DAMPING, "k": STIFFNESS},
+        "exponent 1 in the truth, 2 in the table: level and width are of the right size only",
+    )
+
+
+EXPECTED = expected()
 
 
 def graph() -> BondGraph:
