@@ -60,10 +60,20 @@ def tested(
     return Tested(trial, train, other)
 
 
-def nominal(graph: BondGraph, recordings: Sequence[Prepared], given: Mapping[str, float]) -> Runs:
-    """Run the model as it was given."""
+def nominal(
+    graph: BondGraph,
+    recordings: Sequence[Prepared],
+    given: Mapping[str, float],
+    starts: Sequence[Mapping[str, float]],
+) -> Runs:
+    """Run the model as it was given, from where recordings start."""
     model = CompiledModel(graph)
-    return tuple(_run(model, row, row.plain.initial, given) for row in recordings)
+    states = {state.name for state in model.equations.states}
+    found = []
+    for row, start in zip(recordings, starts, strict=True):
+        known = {name: value for name, value in start.items() if name in states}
+        found.append(_run(model, row, known | dict(row.plain.initial), given))
+    return tuple(found)
 
 
 def _run(

@@ -24,7 +24,7 @@ from .judge import ABOVE, Judgement, judged
 from .laws import learned
 from .outside import advice_for, relaxed_starts
 from .prepare import Prepared, held_out, prepared
-from .search import Found, near_noise, searched
+from .search import Found, near_noise, searched, starts_of
 from .trial import Bench, Trial
 from .value import Discovery, Estimate, Explanation, NamedEffect
 from .verdict import Verdict
@@ -165,6 +165,7 @@ def _told(
 ) -> Discovery:
     """Test what was found, judge it and put it into words."""
     base, best = found.base, found.best
+    begun = starts_of(found.sketches[0].relaxed, bench)
     starts = relaxed_starts(found.sketches[0].relaxed, held)
     ordered = sorted(found.trials, key=lambda trial: -delta_bic(base, trial))
     tested = {id(base): measured.tested(bench, base, held, starts)}
@@ -172,8 +173,8 @@ def _told(
         if id(trial) not in tested:
             tested[id(trial)] = measured.tested(bench, trial, held, starts)
     given = {
-        "train": measured.nominal(bench.graph, bench.recordings, bench.given),
-        "validation": measured.nominal(bench.graph, held, bench.given),
+        "train": measured.nominal(bench.graph, bench.recordings, bench.given, begun),
+        "validation": measured.nominal(bench.graph, held, bench.given, starts),
     }
     units = {name: unit for row in bench.recordings for name, unit in row.item.units.items()}
     scale = measured.sizes([*bench.recordings, *held])
@@ -203,14 +204,15 @@ def _told(
     ) and not near_noise(base, bench)
     said = judged(bench, base, best, found.trials, share, near, above)
     explained = {id(best): share, id(base): 0.0}
+    order = [best, *(t for t in ordered if t is not best), *([base] if best.added else [])]
     ranked = tuple(
         _explanation(base, trial, gap_share(explained, trial, tested, gap_of, scale), said)
-        for trial in [best, *(t for t in ordered if t is not best), *([base] if best.added else [])]
+        for trial in order
     )
     shown = best if said.verdict is not Verdict.NONE else base
     if shown is base:
         gap, share = gap_of(base), 0.0
-    first = next(item for item in ranked if item.label == _label(shown))
+    first = next(item for item, trial in zip(ranked, order, strict=True) if trial is shown)
     named = _named(base, said)
     return Discovery(
         graph=bench.graph,

@@ -2,25 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy
 
 from ...errors import BondGraphError, SimulationError
+from ...graph import BondGraph
 from ...simulation import CompiledModel
 from ..candidates import Effect
 from ..latent.null import threshold
 from ..latent.probes import probed
-from ..latent.relax import Relaxed, relaxed
+from ..latent.relax import LONGEST, Relaxed, relaxed
 from ..latent.screen import Hypothesis, Sketch, sketched
 from .compare import delta_bic
+from .gaps import sizes
 from .trial import Added, Bench, Trial, tried
 
 Array = numpy.ndarray
 Tell = Callable[[str], object]
 
 MOST = 3  # effects
+LOST = 0.8  # of a signal's deviation
+PROMISE = 0.7  # of what a refit has to bring, to be worth one
 SINGLES, PAIRS = 6, 2  # refitted in each round
 SHORTEST, TIMES = 4.0, 8.0  # a fit may take so many seconds, or times as long as the base
 WORTH = 10.0  # drop of the criterion that an effect has to bring: odds of 150 to 1
@@ -77,10 +81,19 @@ def searched(bench: Bench, signals: Sequence[str], effects: Sequence[Effect], te
     sketch = _sketched(bench, bench.graph, signals, effects, {})
     bench = replace(bench, starts=starts_of(sketch.relaxed, bench), ways=ways_of(sketch.relaxed))
     tell("fitting the model by itself")
-    base = tried(bench, (), [bench.given], segments="auto")
+    base = tried(bench, (), [bench.given])
+    if isinstance(base, BondGraphError) or _lost(base, bench):
+        tell("fitting the model by itself, in segments")
+        other = tried(bench, (), [bench.given], segments="auto", steps=150)
+        base = other if isinstance(base, BondGraphError) else _nearer(base, other)
     if isinstance(base, BondGraphError):
         raise base
     bench = replace(bench, seconds=max(SHORTEST, TIMES * base.fit.seconds))
+    if near_noise(base, bench):
+        # what is left is small beside what its own parameters being off would do
+        tell("screening again with fitted parameters")
+        guesses = [row.initial for row in base.measurements]
+        sketch = _sketched(bench, bench.graph, signals, effects, base.values, guesses)
     current, trials, warnings = base, list[Trial](), list[str]()
     sketches, limits = [], []
     while True:
@@ -97,12 +110,28 @@ def searched(bench: Bench, signals: Sequence[str], effects: Sequence[Effect], te
             break
         tell(f"screening again beside {current.label}")
         try:
-            sketch = _sketched(bench, current.graph, signals, effects, current.values)
+            guesses = [row.initial for row in current.measurements]
+            sketch = _sketched(bench, current.graph, signals, effects, current.values, guesses)
         except BondGraphError as error:
             warnings.append(f"no second search: {error}")
             break
     current = _without(bench, base, current, trials, tell)
     return Found(base, tuple(trials), current, tuple(sketches), tuple(limits), tuple(warnings))
+
+
+def _lost(trial: Trial, bench: Bench) -> bool:
+    """Whether a fit is hardly nearer to the data than their mean."""
+    size = sizes(bench.recordings)
+    return any(
+        (squares / trial.counts[name]) ** 0.5 > LOST * size[name]
+        for name, squares in trial.squares.items()
+    )
+
+
+def _nearer(one: Trial, other: Trial | BondGraphError) -> Trial:
+    if isinstance(other, BondGraphError) or delta_bic(one, other) < 0:
+        return one
+    return other
 
 
 def near_noise(trial: Trial, bench: Bench) -> bool:
@@ -118,12 +147,13 @@ def near_noise(trial: Trial, bench: Bench) -> bool:
 
 def _sketched(
     bench: Bench,
-    graph: object,
+    graph: BondGraph,
     signals: Sequence[str],
     effects: Sequence[Effect],
     values: dict[str, float],
+    guesses: Sequence[Mapping[str, float]] = (),
 ) -> Sketch:
-    probes = probed(graph, effects)  # type: ignore[arg-type]
+    probes = probed(graph, effects)
     model = CompiledModel(probes.graph)
     if model.equations.algebraic:
         raise SimulationError(
@@ -132,12 +162,18 @@ def _sketched(
         )
     found = relaxed(
         model,
-        [row.record(signals) for row in bench.recordings],
+        [
+            replace(row.record(signals), guess=guess)
+            for row, guess in zip(
+                bench.recordings, guesses or [{}] * len(bench.recordings), strict=True
+            )
+        ],
         signals,
         [*bench.free, *(name for name in values if name not in bench.free)],
         [probe.parameter for probe in probes.probes],
         [probe.errs for probe in probes.probes],
         {**bench.given, **values},
+        CompiledModel(graph),
     )
     return sketched(found, probes, effects)
 
@@ -173,7 +209,7 @@ def _refitted(
     """Refit the best hypotheses of a sketch, beside what is in the graph already."""
     done = {trial.label for trial in known}
     trials = []
-    worth = [item for item in sketch.singles if item.gain > min(limit, WORTH)]
+    worth = [item for item in sketch.singles if item.gain > PROMISE * max(limit, WORTH)]
     wanted = worth[:SINGLES]
     alone = wanted[0].gain if wanted else 0.0
     room = MOST - len(current.added)
@@ -214,7 +250,8 @@ def _added(item: Hypothesis, number: int) -> Added:
 def _own(sketch: Sketch, item: Hypothesis) -> dict[str, float]:
     """Return the own parameters that go with a hypothesis, to first order."""
     table = sketch.relaxed.table
-    return table.given(sketch.relaxed.values + numpy.clip(item.own, -0.7, 0.7))
+    longest = float(numpy.abs(item.own).max(initial=LONGEST))
+    return table.given(sketch.relaxed.values + item.own * min(1.0, LONGEST / longest))
 
 
 def _without(bench: Bench, base: Trial, current: Trial, trials: list[Trial], tell: Tell) -> Trial:

@@ -309,7 +309,7 @@ def _nearest(
     for each in starts:
         try:
             off = sum(
-                misfit(model, prepared, row, each)
+                misfit(model, prepared, row, each, bench.seconds / 4)
                 for prepared, row in zip(bench.recordings, rows, strict=True)
             )
         except BondGraphError:
@@ -320,10 +320,14 @@ def _nearest(
 
 
 def misfit(
-    model: CompiledModel, recording: Prepared, row: Measurement, parameters: Mapping[str, float]
+    model: CompiledModel,
+    recording: Prepared,
+    row: Measurement,
+    parameters: Mapping[str, float],
+    seconds: float,
 ) -> float:
     """Return squares of residuals over each signal's variance; infinite where a run fails."""
-    found = followed(model, recording, row.initial, parameters)
+    found = followed(model, recording, row.initial, parameters, seconds)
     total = 0.0
     for name in recording.signals:
         measured = recording.plain.columns[name]
@@ -337,13 +341,22 @@ def followed(
     recording: Prepared,
     initial: Mapping[str, float],
     parameters: Mapping[str, float],
+    seconds: float = math.inf,
 ) -> dict[str, Array]:
     """Return the measured signals as the model runs; NaN where the run did not reach."""
     t = recording.plain.t
     states = _states(model)
     outputs = set(model.equations.outputs)
     known = {name: value for name, value in initial.items() if name in states | outputs}
-    run = simulate(model, (t[0], t[-1]), parameters, known, recording.item.inputs, t_eval=t)
+    run = simulate(
+        model,
+        (t[0], t[-1]),
+        parameters,
+        known,
+        recording.item.inputs,
+        t_eval=t,
+        time_budget=seconds,
+    )
     table = {}
     for name in recording.signals:
         values = numpy.full(len(t), numpy.nan)

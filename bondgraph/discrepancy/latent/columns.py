@@ -52,15 +52,12 @@ class Candidate:
     def scale(self) -> Scale:
         """How large things are at the site."""
         signals = self.signals
-        sizes = [
+        way = signals.displacement - signals.displacement.mean()
+        effort, flow, displacement = (
             float(numpy.quantile(numpy.abs(values), 0.95)) if numpy.isfinite(values).all() else 0.0
-            for values in (
-                signals.effort,
-                signals.flow,
-                signals.displacement - signals.displacement.mean(),
-            )
-        ]
-        return Scale(*(size or 1.0 for size in sizes), signals.duration)
+            for values in (signals.effort, signals.flow, way)
+        )
+        return Scale(effort or 1.0, flow or 1.0, displacement or 1.0, signals.duration)
 
     def starts(self, amounts: Sequence[float]) -> dict[str, float]:
         """Return the coefficients that amounts of the columns tell."""

@@ -31,7 +31,8 @@ class Along:
     felt : (ns, ny, q) array
     missed : (ns, ny) array
         Measured less said; NaN at gaps.
-    rates : (nt, n) array
+    rates, x : (nt, n) array
+        Rates along the course, and the course.
     first, second : (nt - 1, n, n) arrays
         What a rate just after a time, and just before the next, adds to the step.
     """
@@ -43,6 +44,7 @@ class Along:
     felt: Array
     missed: Array
     rates: Array
+    x: Array
     first: Array
     second: Array
 
@@ -124,6 +126,7 @@ def along(
         felt=before.outputs_p[at],
         missed=measured - before.outputs[at],
         rates=0.5 * (before.rates + after.rates),
+        x=x,
         first=begun,
         second=ended,
     )

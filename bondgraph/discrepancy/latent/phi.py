@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import numpy
 
+from ...errors import SimulationError
+
 Array = numpy.ndarray
 
 ORDER = 9  # of the Taylor series, exact to rounding up to a norm of a half
@@ -20,6 +22,11 @@ def phis(matrices: Array) -> tuple[Array, Array, Array]:
     -------
     three (m, n, n) arrays
 
+    Raises
+    ------
+    SimulationError
+        For entries that are not finite.
+
     Notes
     -----
     Scaling and doubling [1]_, all matrices by the same number of doublings.
@@ -35,6 +42,8 @@ def phis(matrices: Array) -> tuple[Array, Array, Array]:
     ([1.0, 2.718282], [0.5, 0.718282])
     """
     one = numpy.eye(matrices.shape[-1])
+    if not numpy.isfinite(matrices).all():
+        raise SimulationError("the model has no finite slopes along the course")
     size = float(numpy.abs(matrices).sum(axis=-1).max(initial=0.0))
     doublings = max(0, int(numpy.ceil(numpy.log2(size))) + 1) if size > 0 else 0
     z = matrices / 2.0**doublings

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import sympy
 
 from ...elements import Friction, I, R, Se
+from ...equations import derive
 from ...errors import BondGraphError
 from ...graph import BondGraph
 from ..candidates import Change, Coefficient, Effect, Place
@@ -99,6 +100,7 @@ def probed(graph: BondGraph, effects: Iterable[Effect]) -> Probed:
     """
     known = tuple(effects)
     grown, probes, refused = graph, [], []
+    rates = set(derive(graph).input_rates)
     for site in sites(graph):
         if not any(site.fits(effect) for effect in known):
             continue
@@ -106,6 +108,9 @@ def probed(graph: BondGraph, effects: Iterable[Effect]) -> Probed:
             found = graft(grown, _effect(site), site, name=None, parameters={"amount": 0.0})
         except BondGraphError as error:
             refused.append((site.name, str(error)))
+            continue
+        if set(derive(found.graph).input_rates) - rates:
+            refused.append((site.name, "it would ask for the rate of an input"))
             continue
         grown = found.graph
         probes.append(Probe(site, found.parameters["amount"], _signals(graph, site)))

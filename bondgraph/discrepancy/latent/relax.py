@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy
 
+from ...equations import derive
 from ...errors import BondGraphError, SimulationError
 from ...simulation import CompiledModel, simulate
 from .functions import Functions, Points
@@ -21,13 +22,17 @@ from .table import Table
 
 Array = numpy.ndarray
 
-ERRORS = (1e-3, 1e-2, 0.03, 0.1, 0.3, 1.0, 3.0)  # of a rate, each sample its own
+ERRORS = (1e-3, 1e-2, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0)  # of a rate, each sample its own
 EASING = (0.3, 0.3, 0.1, 0.1, 0.03, 0.03, 0.01, 0.01, 3e-3, 1e-3)
 ROUNDS = 6
-SECTION = 8192  # times that are smoothed at once
+SECTION = 4096  # times that are smoothed at once
+MOST = 24576  # times in all that are screened
 TURN = 0.3  # rad of the fastest oscillation in a step
-LOOSE = 0.7  # of own parameters, standard deviation of their logarithm
+LOOSE = 0.4  # of own parameters, standard deviation of their logarithm
 LEAST_TURN = 1e-9
+SEEN, WEAK = 5.0, 0.02  # told to a fifth of a logarithm; over what is told best
+PATIENCE = 20.0  # seconds for the first course
+LONGEST = 0.5  # step of a parameter's logarithm
 REST = 1e-2  # error of rates that no site reaches, over that of those which one does
 
 
@@ -45,6 +50,8 @@ class Record:
     inputs : mapping
     initial : mapping of str to float
         What is known of the start.
+    guess : mapping of str to float
+        Where a run may start that is the first course.
     """
 
     name: str
@@ -53,6 +60,7 @@ class Record:
     noise: Array
     inputs: Mapping[str, Any] = field(default_factory=dict)
     initial: Mapping[str, float] = field(default_factory=dict)
+    guess: Mapping[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,7 +128,8 @@ class Relaxed:
         """Return what the smoother trusts."""
         error = self.error if error is None else error
         interval = float(numpy.median(numpy.diff(course.record.t)))
-        start = numpy.where(numpy.isfinite(course.start), 1e-3, numpy.inf) * _range(course.x)
+        start = numpy.where(numpy.isfinite(course.start), 1e-3 * _range(course.x), numpy.inf)
+        start = numpy.where(start > 0, start, numpy.inf)
         return Weights(error**2 * interval * self.ways, course.record.noise, start)
 
     def moved(self, course: Course, found: Along, error: float | None = None) -> Smoothed:
@@ -131,7 +140,7 @@ class Relaxed:
 
 
 def _range(x: Array) -> Array:
-    return numpy.maximum(numpy.ptp(x, axis=0), 1e-9 * numpy.abs(x).max(axis=0) + 1e-300)
+    return numpy.asarray(numpy.ptp(x, axis=0))
 
 
 def relaxed(
@@ -142,6 +151,7 @@ def relaxed(
     sites: Sequence[str],
     errs: Sequence[bool],
     parameters: Mapping[str, float] | None = None,
+    runs: CompiledModel | None = None,
 ) -> Relaxed:
     """Follow recordings with a model that may err at some sites, its own parameters free.
 
@@ -157,6 +167,8 @@ def relaxed(
         Parameters whose value is zero and through which the model may err: efforts and flows.
     parameters : mapping, optional
         Values to start from.
+    runs : CompiledModel, optional
+        The model without probes, whose run is the first course.
 
     Returns
     -------
@@ -168,8 +180,10 @@ def relaxed(
         Where the model keeps algebraic variables, or does not run from any start.
     """
     table = Table(model, tuple(free), dict(parameters or {}))
-    functions = Functions(model.equations, outputs, table.used + tuple(sites))
-    courses = tuple(part for record in records for part in _begun(model, functions, record, table))
+    functions = Functions(derive(model.equations.graph), outputs, table.used + tuple(sites))
+    courses = _spread(
+        [part for record in records for part in _begun(runs or model, functions, record, table)]
+    )
     found = Relaxed(functions, table, table.start, courses, 1.0, numpy.eye(1), numpy.inf)
     found = replace(found, ways=_ways(found, errs))
     best = found
@@ -225,8 +239,10 @@ def eased(
     Relaxed
     """
     table = Table(model, tuple(free), dict(parameters))
-    functions = Functions(model.equations, outputs, table.used)
-    parts = tuple(part for record in records for part in _begun(model, functions, record, table))
+    functions = Functions(derive(model.equations.graph), outputs, table.used)
+    parts = _spread(
+        [part for record in records for part in _begun(model, functions, record, table)]
+    )
     found = Relaxed(functions, table, table.start, parts, 1.0, numpy.eye(1), numpy.inf)
     size = numpy.concatenate([lines.rates for _, lines, _, _ in found.linear()])
     least = REST * numpy.sqrt((size**2).mean(axis=0))
@@ -248,21 +264,29 @@ def _begun(
 ) -> Iterator[Course]:
     """Lay grids, with the model's own run as the first course, where it runs."""
     given = table.given(table.start)
-    step = TURN / max(_turning(functions, table, record, model), LEAST_TURN)
-    whole = grid_of(model.equations, record.t, record.inputs, step)
-    n = len(model.equations.states)
-    known = {name: value for name, value in record.initial.items()}
-    start = numpy.array([known.get(state.name, numpy.nan) for state in model.equations.states])
+    step = TURN / max(_turning(functions, table, record), LEAST_TURN)
+    whole = grid_of(functions.equations, record.t, record.inputs, step)
+    names = [state.name for state in functions.equations.states]
+    own = {symbol.name for symbol in model.equations.graph.parameters}
+    known = dict(record.initial)
+    guess = {**_first_states(functions, whole, record, table), **record.guess}
+    start = numpy.array([known.get(name, numpy.nan) for name in names])
     try:
         run = simulate(
-            model, (record.t[0], record.t[-1]), given, known, record.inputs, t_eval=record.t
+            model,
+            (record.t[0], record.t[-1]),
+            {name: value for name, value in given.items() if name in own},
+            known | {name: value for name, value in guess.items() if name in names},
+            record.inputs,
+            t_eval=record.t,
+            time_budget=PATIENCE,
         )
         x = numpy.array([numpy.interp(whole.t, run.t, row) for row in run.x]).T
         sound = numpy.isfinite(x).all() and len(run.t) > 1
     except BondGraphError:
         sound = False
     if not sound:
-        x = numpy.tile(numpy.nan_to_num(start), (len(whole), 1)).reshape(len(whole), n)
+        x = numpy.tile(numpy.nan_to_num(start), (len(whole), 1)).reshape(len(whole), len(names))
     for first in range(0, max(len(whole) - 1, 1), SECTION):
         last = min(first + SECTION, len(whole) - 1)
         if first and last - first < SECTION // 8:
@@ -275,15 +299,58 @@ def _begun(
             whole.t[part], whole.samples[inside] - first, whole.before[part], whole.after[part]
         )
         own = replace(record, t=record.t[inside], measured=record.measured[inside])
-        yield Course(own, grid, x[part], start if first == 0 else numpy.full(n, numpy.nan))
+        yield Course(own, grid, x[part], start if first == 0 else numpy.full(len(names), numpy.nan))
 
 
-def _turning(functions: Functions, table: Table, record: Record, model: CompiledModel) -> float:
+def _first_states(
+    functions: Functions, grid: Grid, record: Record, table: Table
+) -> dict[str, float]:
+    """Return states that give the first samples, those not needed as the model has them."""
+    names = [state.name for state in functions.equations.states]
+    x = numpy.array(table.model.initial_state(table.resolved(table.start), dict(record.initial)))
+    at = functions.at(grid.t[:1], x[None], grid.after[:1], table.vector(table.start))
+    off = record.measured[0] - at.outputs[0]
+    there = numpy.isfinite(off)
+    free = [i for i, name in enumerate(names) if name not in record.initial]
+    seen = at.outputs_x[0][there][:, free] / record.noise[there, None]
+    if seen.size and numpy.isfinite(seen).all():
+        x[free] += numpy.linalg.lstsq(seen, off[there] / record.noise[there], rcond=1e-9)[0]
+    return dict(zip(names, x.tolist(), strict=True))
+
+
+def _spread(courses: Sequence[Course]) -> tuple[Course, ...]:
+    """Keep sections of all recordings, no more than are needed to screen.
+
+    The first of each recording stays, for where it starts; of the others those in which the
+    recording moves most.
+    """
+    total = sum(len(course.grid) for course in courses)
+    if total <= MOST:
+        return tuple(courses)
+    firsts = [
+        i for i, c in enumerate(courses) if not i or c.record.name != courses[i - 1].record.name
+    ]
+    others = [i for i in range(len(courses)) if i not in firsts]
+    others.sort(key=lambda i: -_movement(courses[i].record))
+    kept, room = set(firsts), MOST - sum(len(courses[i].grid) for i in firsts)
+    for i in others:
+        if room < len(courses[i].grid):
+            break
+        kept.add(i)
+        room -= len(courses[i].grid)
+    return tuple(courses[i] for i in sorted(kept))
+
+
+def _movement(record: Record) -> float:
+    return float(numpy.nansum(numpy.nanvar(record.measured, axis=0) / record.noise**2))
+
+
+def _turning(functions: Functions, table: Table, record: Record) -> float:
     """Return the fastest oscillation that is hardly damped, rad/s, at the model's start."""
-    x = numpy.array(model.initial_state(table.resolved(table.start), dict(record.initial))).reshape(
-        1, -1
-    )
-    u = grid_of(model.equations, record.t[:2], record.inputs).after[:1]
+    x = numpy.array(
+        table.model.initial_state(table.resolved(table.start), dict(record.initial))
+    ).reshape(1, -1)
+    u = grid_of(functions.equations, record.t[:2], record.inputs).after[:1]
     found = functions.at(record.t[:1], x, u, table.vector(table.start))
     poles = numpy.linalg.eigvals(found.rates_x[0]) if found.rates_x.size else numpy.zeros(0)
     swings = numpy.abs(poles.imag) > 0.5 * numpy.abs(poles.real)
@@ -313,7 +380,6 @@ def _ways(found: Relaxed, errs: Sequence[bool]) -> Array:
 
 def _stepped(found: Relaxed, errors: Sequence[float], *, moving: bool) -> Relaxed:
     """Move states and parameters once, with the error that is likeliest."""
-    q = len(found.table.names)
     linear = [(course, _own(found, lines)) for course, lines, _, _ in found.linear()]
     prior = found.table.prior(found.values, LOOSE)
     best: tuple[float, float, Array, list[Smoothed]] | None = None
@@ -333,7 +399,11 @@ def _stepped(found: Relaxed, errors: Sequence[float], *, moving: bool) -> Relaxe
     if best is None:
         raise SimulationError("no error of the model lets its states be smoothed")
     likelihood, error, change, parts = best
-    change = numpy.clip(change, -1.0, 1.0) if q and moving else 0 * change
+    if moving and len(change):
+        unseen = _unseen(found, linear)
+        change = change - unseen.T @ (unseen @ change)
+    longest = float(numpy.abs(change).max(initial=0.0))
+    change = change * (min(1.0, LONGEST / longest) if moving and longest > 0 else 0.0)
     courses = tuple(
         replace(course, x=course.x + part.moves[..., -1] + part.moves[..., :-1] @ change)
         for (course, _), part in zip(linear, parts, strict=True)
@@ -345,6 +415,19 @@ def _stepped(found: Relaxed, errors: Sequence[float], *, moving: bool) -> Relaxe
         error=error,
         likelihood=float(likelihood),
     )
+
+
+def _unseen(found: Relaxed, linear: Sequence[tuple[Course, Along]]) -> Array:
+    """Return directions of the own parameters that runs do not tell, shape (k, p).
+
+    Forces, masses and stiffnesses of one scale, say, where no effort is known. With an error of the
+    model that is large they seem to be told, by how far it errs.
+    """
+    parts = [found.moved(course, lines, ERRORS[0]).rows[:, :-1] for course, lines in linear]
+    _, size, across = numpy.linalg.svd(
+        numpy.linalg.qr(numpy.concatenate(parts), mode="r"), full_matrices=False
+    )
+    return numpy.asarray(across[size < max(SEEN, WEAK * size.max(initial=0.0))])
 
 
 def _own(found: Relaxed, lines: Along) -> Along:

@@ -125,9 +125,11 @@ def smoothed(course: Along, h: Array, at: Array, weights: Weights, off: Array) -
     factor = _factor(band.reshape(2 * n, nt * n))
     moves = cho_solve_banded((factor, True), right.reshape(nt * n, -1), check_finite=False)
     moves = moves.reshape(nt, n, -1)
+    dynamic = steps - whiten @ moves[1:] + moved @ moves[:-1]
+    dynamic[..., :-1] += _rescaled(dynamic[..., -1], whiten, course.x / scale, -moves[..., :-1])
     left = [
         (begun - known[:, None] * moves[0]),
-        (steps - whiten @ moves[1:] + moved @ moves[:-1]).reshape(-1, steps.shape[2]),
+        dynamic.reshape(-1, steps.shape[2]),
         (told - seen @ moves[at])[there],
     ]
     log_det += 2 * float(numpy.log(factor[0]).sum()) - 2 * float(numpy.log(known).sum())
@@ -135,6 +137,18 @@ def smoothed(course: Along, h: Array, at: Array, weights: Weights, off: Array) -
     moves = moves * scale[None, :, None]
     moves[..., :-1] *= -1
     return Smoothed(numpy.concatenate(left), moves, log_det, int(there.sum()))
+
+
+def _rescaled(left: Array, whiten: Array, x: Array, moves: Array) -> Array:
+    """Return what columns owe to the size of the states that they change.
+
+    The model's error is a share of its states' rates. A change that makes all efforts, inertias and
+    momenta smaller makes its error smaller too, and explains nothing by that.
+    """
+    size = numpy.maximum((x**2).sum(axis=0), 1e-300)
+    grown = numpy.einsum("ki,kij->ij", x, moves) / size[:, None]
+    plain = numpy.linalg.solve(whiten, left[..., None])
+    return numpy.asarray(whiten @ (plain * grown[None]))
 
 
 def _factor(band: Array) -> Array:
@@ -163,7 +177,10 @@ def _whitened(onward: Array, h: Array, model: Array) -> tuple[Array, float]:
     spread = 0.5 * (spread + spread.transpose(0, 2, 1)) * h[:, None, None]
     n = model.shape[0]
     size = numpy.trace(spread, axis1=1, axis2=2)[:, None, None] / n
-    lower = numpy.linalg.cholesky(0.5 * spread + 1e-12 * size * numpy.eye(n))
+    try:
+        lower = numpy.linalg.cholesky(0.5 * spread + 1e-12 * size * numpy.eye(n))
+    except numpy.linalg.LinAlgError as error:
+        raise SimulationError("the states cannot be smoothed: the model's error is flat") from error
     whiten = numpy.linalg.inv(lower)
     diagonal = numpy.diagonal(lower, axis1=1, axis2=2)
     return whiten, 2 * float(numpy.log(diagonal).sum())

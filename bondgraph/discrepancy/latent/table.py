@@ -38,8 +38,9 @@ class Table:
         values = parameter_values(model.equations, self._given, model.resolver)
         symbols = {symbol.name: symbol for symbol in model.equations.graph.parameters}
         first = numpy.array([values[name] for name in names])
-        self._log = numpy.array([bool(symbols[name].is_positive) for name in names], dtype=bool)
-        self._log &= first > 0
+        never = [bool(symbols[name].is_nonnegative) for name in names]  # negative
+        self._low = numpy.where(never, STEP * 1e-3, -numpy.inf)
+        self._log = numpy.array(never, dtype=bool) & (first > 0)
         self._size = numpy.where(self._log, 1.0, numpy.where(first == 0, 1.0, numpy.abs(first)))
         self.start = numpy.where(self._log, numpy.log(numpy.where(self._log, first, 1.0)), first)
         self.start = self.start / self._size
@@ -50,7 +51,7 @@ class Table:
 
     def given(self, values: Array) -> dict[str, float]:
         """Return parameters by name, SI."""
-        plain = values * self._size
+        plain = numpy.maximum(values, numpy.where(self._log, -numpy.inf, self._low)) * self._size
         plain = numpy.where(self._log, numpy.exp(numpy.where(self._log, plain, 0.0)), plain)
         return self._given | dict(zip(self.names, plain.tolist(), strict=True))
 
