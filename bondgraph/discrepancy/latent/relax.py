@@ -30,7 +30,7 @@ MOST = 24576  # times in all that are screened
 TURN = 0.3  # rad of the fastest oscillation in a step
 LOOSE = 0.4  # of own parameters, standard deviation of their logarithm
 LEAST_TURN = 1e-9
-SEEN, WEAK = 5.0, 0.02  # told to a fifth of a logarithm; over what is told best
+SEEN = 0.02  # of what is told best
 PATIENCE = 20.0  # seconds for the first course
 LONGEST = 0.5  # step of a parameter's logarithm
 REST = 1e-2  # error of rates that no site reaches, over that of those which one does
@@ -252,10 +252,11 @@ def eased(
         for j, other in enumerate(names):
             spread[i, j] += ways.get((one, other), 0.0)
     found = replace(found, ways=spread)
+    unseen = _unseen(found)
     found = _stepped(found, (1.0,), moving=False)
     found = _stepped(found, (0.3,), moving=False)
     for error in EASING:
-        found = _stepped(found, (error,), moving=True)
+        found = _stepped(found, (error,), moving=True, unseen=unseen)
     return found
 
 
@@ -378,7 +379,9 @@ def _ways(found: Relaxed, errs: Sequence[bool]) -> Array:
     return ways
 
 
-def _stepped(found: Relaxed, errors: Sequence[float], *, moving: bool) -> Relaxed:
+def _stepped(
+    found: Relaxed, errors: Sequence[float], *, moving: bool, unseen: Array | None = None
+) -> Relaxed:
     """Move states and parameters once, with the error that is likeliest."""
     linear = [(course, _own(found, lines)) for course, lines, _, _ in found.linear()]
     prior = found.table.prior(found.values, LOOSE)
@@ -399,8 +402,7 @@ def _stepped(found: Relaxed, errors: Sequence[float], *, moving: bool) -> Relaxe
     if best is None:
         raise SimulationError("no error of the model lets its states be smoothed")
     likelihood, error, change, parts = best
-    if moving and len(change):
-        unseen = _unseen(found, linear)
+    if unseen is not None:
         change = change - unseen.T @ (unseen @ change)
     longest = float(numpy.abs(change).max(initial=0.0))
     change = change * (min(1.0, LONGEST / longest) if moving and longest > 0 else 0.0)
@@ -417,17 +419,23 @@ def _stepped(found: Relaxed, errors: Sequence[float], *, moving: bool) -> Relaxe
     )
 
 
-def _unseen(found: Relaxed, linear: Sequence[tuple[Course, Along]]) -> Array:
+def _unseen(found: Relaxed) -> Array | None:
     """Return directions of the own parameters that runs do not tell, shape (k, p).
 
-    Forces, masses and stiffnesses of one scale, say, where no effort is known. With an error of the
-    model that is large they seem to be told, by how far it errs.
+    Forces, masses and stiffnesses of one scale, say, where no effort is known. Along a course that
+    is not the model's own run they seem to be told, by how far it errs; so the course is the run.
     """
-    parts = [found.moved(course, lines, ERRORS[0]).rows[:, :-1] for course, lines in linear]
+    try:
+        parts = [
+            found.moved(course, _own(found, lines), 1.0).rows[:, :-1]
+            for course, lines, _, _ in found.linear()
+        ]
+    except SimulationError:
+        return None
     _, size, across = numpy.linalg.svd(
         numpy.linalg.qr(numpy.concatenate(parts), mode="r"), full_matrices=False
     )
-    return numpy.asarray(across[size < max(SEEN, WEAK * size.max(initial=0.0))])
+    return numpy.asarray(across[size < SEEN * size.max(initial=0.0)])
 
 
 def _own(found: Relaxed, lines: Along) -> Along:

@@ -126,7 +126,7 @@ def smoothed(course: Along, h: Array, at: Array, weights: Weights, off: Array) -
     moves = cho_solve_banded((factor, True), right.reshape(nt * n, -1), check_finite=False)
     moves = moves.reshape(nt, n, -1)
     dynamic = steps - whiten @ moves[1:] + moved @ moves[:-1]
-    dynamic[..., :-1] += _rescaled(dynamic[..., -1], whiten, course.x / scale, -moves[..., :-1])
+    dynamic[..., :-1] += _rescaled(steps[..., -1], whiten, course.x / scale, -moves[..., :-1])
     left = [
         (begun - known[:, None] * moves[0]),
         dynamic.reshape(-1, steps.shape[2]),
