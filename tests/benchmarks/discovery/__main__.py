@@ -9,6 +9,7 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 
 from rich.console import Console
@@ -16,6 +17,7 @@ from rich.console import Console
 from ..report import write as put
 from . import files, score
 from .make import made
+from .peers import race
 from .plans import Plan, subset
 from .runner import ANSWERS, ENGINE, run
 
@@ -35,6 +37,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--dry", action="store_true", help=f"leave {PAGE.name} as it is")
     parser.add_argument("--keep", type=Path, default=FOLDER, metavar="DIR", help="cases, answers")
     parser.add_argument("--fresh", action="store_true", help="forget answers given before")
+    parser.add_argument("--peers", action="store_true", help="PySINDy on the same cases as well")
     parser.add_argument("--solver", default=ENGINE, help="who answers, as module:function")
     given = parser.parse_args(arguments)
     if not 0 < given.fraction <= 1:
@@ -44,7 +47,11 @@ def main(arguments: Sequence[str] | None = None) -> None:
         parser.error(f"there is no case of {given.only!r}")
     console = Console(width=160)
     rows = raced(chosen, given.keep, given.solver, given.jobs, console, fresh=given.fresh)
-    for report in score.reports(rows):
+    reports = score.reports(rows)
+    if given.peers:
+        tell = partial(console.print, markup=False)
+        reports.append(race.report(rows, given.keep, given.jobs, tell))
+    for report in reports:
         report.show(console)
         if not given.dry and given.fraction == 1 and not given.only:
             put(report, PAGE)
