@@ -41,7 +41,11 @@ def heavy_after(code):
 
 
 @pytest.mark.parametrize(
-    "arguments", [["--help"], ["stability", "--help"], ["simulate", "--help"], ["sweep", "--help"]]
+    "arguments",
+    [
+        ["--help"],
+        *([name, "--help"] for name in ("stability", "simulate", "sweep", "discover")),
+    ],
 )
 def test_help_loads_nothing_heavy(arguments):
     assert heavy_after(HELP.format(arguments=arguments)) == set()

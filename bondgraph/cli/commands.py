@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Literal
 import click
 
 from . import options as opt
+from .discover import discover
 from .sweep import sweep
 from .symbolic import symbolic
 
@@ -261,4 +262,4 @@ def stability(
         click.echo(f"report: {page}")
 
 
-ALL = (models, show, equations, symbolic, simulate, stability, sweep)
+ALL = (models, show, equations, symbolic, simulate, stability, sweep, discover)

@@ -59,6 +59,7 @@ def _describe(error: Exception) -> tuple[str, int]:
             errors.LawError,
             errors.SimulationError,
             errors.SweepError,
+            errors.MeasurementError,
         )
         return str(error), BAD_INPUT if isinstance(error, bad) else FAILED
     if isinstance(error, OSError):

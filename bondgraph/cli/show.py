@@ -32,7 +32,8 @@ def new_console() -> Console:
     return Console(highlight=False, soft_wrap=True, width=wide)
 
 
-def _table(title: str, *columns: str) -> Table:
+def new_table(title: str, *columns: str) -> Table:
+    """Return an empty table in the dress that all commands share."""
     table = Table(title=title, title_justify="left", box=None, pad_edge=False, header_style="bold")
     for column in columns:
         table.add_column(column, overflow="fold")
@@ -81,12 +82,12 @@ def as_tables(causal: CausalGraph) -> None:
     console.print(
         f"[bold]{graph.name}[/bold]: {len(graph.elements)} elements, {len(graph.bonds)} bonds\n"
     )
-    elements = _table("Elements", "element", "kind", "law")
+    elements = new_table("Elements", "element", "kind", "law")
     laws = _laws(graph)
     for name, element in graph.elements.items():
         elements.add_row(name, element.kind, laws[name])
     console.print(elements)
-    bonds = _table("\nBonds", "bond", "effort out of", "because")
+    bonds = new_table("\nBonds", "bond", "effort out of", "because")
     for stroke in causal.strokes:
         bonds.add_row(stroke.bond, stroke.effort_out_of, stroke.because)
     console.print(bonds)
@@ -113,7 +114,7 @@ def _print_parameters(console: Console, causal: CausalGraph) -> None:
     if not graph.parameters:
         return
     values = resolve(graph.parameters, partial=True)
-    table = _table("\nParameters", "name", "value", "SI unit", "given as", "meaning", "source")
+    table = new_table("\nParameters", "name", "value", "SI unit", "given as", "meaning", "source")
     for symbol, row in graph.parameters.items():
         given = "" if row.value is None else f"{row.value} {row.unit}".strip()
         value = f"{values[symbol.name]:.9g}" if symbol.name in values else "to be given"
@@ -181,12 +182,12 @@ def run_tables(trajectory: Trajectory) -> None:
         f"{trajectory.t_end:.9g} s, {trajectory.steps} steps, {len(trajectory.events)} events ({trajectory.backend})\n"
         f"{escape(trajectory.solver_reason)}\n"
     )
-    final = _table("Final values", "name", "value", "unit")
+    final = new_table("Final values", "name", "value", "unit")
     for name, value in trajectory.final.items():
         final.add_row(name, f"{value:.9g}", trajectory.unit(name))
     console.print(final)
     if trajectory.events:
-        events = _table("\nEvents", "t [s]", "element", "from", "to")
+        events = new_table("\nEvents", "t [s]", "element", "from", "to")
         for event in trajectory.events[:10]:
             events.add_row(f"{event.t:.9f}", event.element, event.from_mode, event.to_mode)
         console.print(events)
@@ -205,7 +206,7 @@ def stability_tables(result: StabilityResult) -> None:
     """Print a stability verdict for reading."""
     console = new_console()
     console.print(f"{result.verdict}\n", soft_wrap=False, markup=False)
-    table = _table(
+    table = new_table(
         "Eigenvalues", "eigenvalue [1/s]", "frequency [Hz]", "damping ratio", "stable", "decided by"
     )
     for row in result.rows:

@@ -9,6 +9,13 @@ References
 Okabe, Ito, Color universal design, 2008 (the palette).
 """
 
+from .courses import (
+    course_plot,
+    gap_course,
+    gap_shares,
+    gap_spectra,
+    learned_law,
+)
 from .gaps import (
     coherence_plot,
     frequency_gaps,
@@ -29,9 +36,14 @@ __all__ = [
     "Signal",
     "application",
     "coherence_plot",
+    "course_plot",
     "frequency_gaps",
     "friction_curve",
+    "gap_course",
+    "gap_shares",
+    "gap_spectra",
     "growth_rates",
+    "learned_law",
     "new_axes",
     "overview",
     "phase_plane",

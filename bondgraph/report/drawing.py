@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
 
 from ..causality import CausalGraph
 from ..draw import to_svg
@@ -13,7 +14,9 @@ from .svg import inline
 LARGEST = 1.2
 
 
-def drawing(causal: CausalGraph, name: str, *, numbers: bool = False) -> list[Markup]:
+def drawing(
+    causal: CausalGraph, name: str, *, numbers: bool = False, accented: Iterable[str] = ()
+) -> list[Markup]:
     """Return the drawing of a graph as a block of the page.
 
     Parameters
@@ -23,15 +26,16 @@ def drawing(causal: CausalGraph, name: str, *, numbers: bool = False) -> list[Ma
         Prefix of its ids: a page may hold several.
     numbers : bool
         Whether to number the bonds.
+    accented : iterable of str
+        Elements in blue, as for `bondgraph.draw.to_svg`.
 
     Returns
     -------
     list of Markup
     """
     words = f"Bond graph of {causal.graph.name} with causal strokes"
-    svg = inline(
-        to_svg(causal, numbers=numbers), name, f"{words} and numbered bonds" if numbers else words
-    )
+    picture = to_svg(causal, numbers=numbers, accented=accented)
+    svg = inline(picture, name, f"{words} and numbered bonds" if numbers else words)
     box = re.search(r'viewBox="[\d.-]+ [\d.-]+ ([\d.]+)', svg)
     width = LARGEST * float(box[1]) if box else 1000
     return [

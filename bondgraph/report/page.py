@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from html import escape
 from importlib.resources import files
 from string import Template
@@ -17,27 +18,39 @@ _ALIGN = {"l": "", "r": ' class="number"', "c": ""}
 LONG = 20
 
 
-def render(
-    title: str,
-    headline: str,
-    verdict: Sequence[str],
-    stable: bool,
-    sections: Sequence[Section],
-    drawings: dict[str, str],
-) -> str:
-    """Return the whole page.
+@dataclass(frozen=True)
+class Heading:
+    """What stands at the top of a page.
 
-    Parameters
+    Attributes
     ----------
     title : str
         The model's name.
+    kind : str
+        What the page is, such as ``Stability report``.
     headline : str
         A word or two: the verdict at a glance.
     verdict : sequence of str
         Sentences.
-    stable : bool
+    good : bool
+        Whether the verdict needs no attention; decides the colour.
+    """
+
+    title: str
+    kind: str
+    headline: str
+    verdict: Sequence[str]
+    good: bool
+
+
+def render(heading: Heading, sections: Sequence[Section], drawings: Mapping[str, str]) -> str:
+    """Return the whole page.
+
+    Parameters
+    ----------
+    heading : Heading
     sections : sequence of Section
-    drawings : dict of str to str
+    drawings : mapping of str to str
         SVG of each panel by name.
 
     Returns
@@ -47,11 +60,12 @@ def render(
     home = files(__package__)
     page = Template((home / "page.html").read_text(encoding="utf-8"))
     return page.substitute(
-        title=escape(title),
+        title=escape(heading.title),
+        kind=escape(heading.kind),
         style=(home / "page.css").read_text(encoding="utf-8"),
-        state="stable" if stable else "unstable",
-        headline=escape(headline),
-        verdict="\n".join(f"<p>{escape(sentence)}</p>" for sentence in verdict),
+        state="good" if heading.good else "bad",
+        headline=escape(heading.headline),
+        verdict="\n".join(f"<p>{escape(sentence)}</p>" for sentence in heading.verdict),
         contents="\n".join(
             f'<li><a href="#{_anchor(section.title)}">{escape(section.title)}</a></li>'
             for section in sections
@@ -60,7 +74,7 @@ def render(
     )
 
 
-def _section(section: Section, drawings: dict[str, str]) -> str:
+def _section(section: Section, drawings: Mapping[str, str]) -> str:
     inner = "\n".join(_block(block, drawings) for block in section.blocks)
     anchor = _anchor(section.title)
     return f'<section id="{anchor}">\n<h2>{escape(section.title)}</h2>\n{inner}\n</section>'
@@ -70,7 +84,7 @@ def _anchor(title: str) -> str:
     return re.sub(r"[^a-z0-9]+", "-", title.lower()).strip("-") or "section"
 
 
-def _block(block: Any, drawings: dict[str, str]) -> str:
+def _block(block: Any, drawings: Mapping[str, str]) -> str:
     if isinstance(block, Text):
         return _text(block)
     if isinstance(block, Bullets):
@@ -127,7 +141,7 @@ def _row(row: Iterable[str], align: str, labelled: bool) -> str:
     return "".join(cells)
 
 
-def _figure(figure: Figure, drawings: dict[str, str]) -> str:
+def _figure(figure: Figure, drawings: Mapping[str, str]) -> str:
     panels = "".join(
         f'<div class="panel">{inline(drawings[panel.name], panel.name, panel.description)}'
         f'<p class="files">{_link(panel.name, "svg")} {_link(panel.name, "csv")}</p></div>'

@@ -2,21 +2,17 @@
 
 from __future__ import annotations
 
-import csv
-import itertools
 import json
 from collections.abc import Iterable
 from pathlib import Path
 
 from ..equations import derive
-from ..errors import BondGraphError
 from ..stability import StabilityResult
 from . import contents, spectrum
-from .blocks import Panel, Section
+from .blocks import Section
 from .causality import causality_section
-from .page import render
-from .svg import standalone
-from .words import slug
+from .folder import drawn, write_folder
+from .page import Heading, render
 
 
 def write_report(
@@ -60,34 +56,19 @@ def write_report(
     ['index.html', 'plots', 'stability.json']
     """
     chapters = _chapters(result, list(sections), description)
-    panels = [
-        panel for chapter in chapters for figure in chapter.figures for panel in figure.panels
-    ]
-    _check_names(panels)
-    drawings = {panel.name: standalone(panel.ax) for panel in panels}
-    page = render(
+    drawings = drawn(chapters)
+    heading = Heading(
         result.model,
+        "Stability report",
         "Stable" if result.stable else _unstable(result),
         result.verdict.splitlines(),
         result.stable,
-        chapters,
-        drawings,
     )
-    data = json.dumps(result.to_json(), indent=1, allow_nan=False)
-    folder = Path(folder)
-    try:
-        (folder / "plots").mkdir(parents=True, exist_ok=True)
-        for panel in panels:
-            plots = folder / "plots"
-            (plots / f"{panel.name}.svg").write_text(drawings[panel.name], encoding="utf-8")
-            _write_csv(plots / f"{panel.name}.csv", panel)
-        (folder / "stability.json").write_text(data + "\n", encoding="utf-8")
-        (folder / "index.html").write_text(page, encoding="utf-8")
-    except OSError as error:
-        raise BondGraphError(
-            f"cannot write the report into {folder}: {error.strerror or error}"
-        ) from None
-    return folder / "index.html"
+    texts = {
+        "stability.json": json.dumps(result.to_json(), indent=1, allow_nan=False) + "\n",
+        "index.html": render(heading, chapters, drawings),
+    }
+    return write_folder(folder, chapters, drawings, texts) / "index.html"
 
 
 def _unstable(result: StabilityResult) -> str:
@@ -113,22 +94,3 @@ def _chapters(result: StabilityResult, own: list[Section], description: str) -> 
         contents.solver_section(result, figures),
     ]
     return [chapter for chapter in chapters if chapter is not None]
-
-
-def _check_names(panels: list[Panel]) -> None:
-    names = [panel.name for panel in panels]
-    for name in names:
-        if slug(name) != name or names.count(name) > 1:
-            raise BondGraphError(
-                f"plot {name!r}: its name is that of files; use letters, digits, '-' and '_', once"
-            )
-
-
-def _write_csv(path: Path, panel: Panel) -> None:
-    """Write the columns side by side; shorter ones end in empty cells."""
-    columns = panel.columns()
-    with path.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file)
-        writer.writerow(columns)
-        for row in itertools.zip_longest(*columns.values()):
-            writer.writerow(["" if value is None else f"{float(value):.10g}" for value in row])

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy
 
@@ -17,8 +17,11 @@ class Signals:
     Parameters
     ----------
     t : (nt,) array, s
-    flow, displacement, effort, rate : (nt,) array
-        Flow, its integral, effort, and the flow's rate; NaN throughout where unknown.
+    flow, displacement, effort, rate, effort_rate, momentum : (nt,) array
+        Flow, its integral, effort, the rates of flow and effort, and the momentum of an inertia;
+        NaN throughout where unknown.
+    whole : Signals, optional
+        Those of all recordings, which the ranges are taken from.
 
     Examples
     --------
@@ -32,10 +35,20 @@ class Signals:
     displacement: Array
     effort: Array
     rate: Array
+    effort_rate: Array
+    momentum: Array
+    whole: Signals | None = field(default=None, repr=False)
 
     @classmethod
     def of(
-        cls, t: object, flow: object = None, displacement: object = None, effort: object = None
+        cls,
+        t: object,
+        flow: object = None,
+        displacement: object = None,
+        effort: object = None,
+        momentum: object = None,
+        rate: object = None,
+        effort_rate: object = None,
     ) -> Signals:
         """Return signals with what is not given integrated, differentiated or NaN."""
         times = numpy.asarray(t, float)
@@ -47,7 +60,48 @@ class Signals:
         way = numpy.concatenate([[0.0], numpy.cumsum(steps)])
         way = way if displacement is None else numpy.asarray(displacement, float)
         felt = nothing if effort is None else numpy.asarray(effort, float)
-        return cls(times, moving, way, felt, numpy.gradient(moving, times))
+        kept = nothing if momentum is None else numpy.asarray(momentum, float)
+        grows = numpy.gradient(moving, times) if rate is None else numpy.asarray(rate, float)
+        rises = numpy.gradient(felt, times) if effort_rate is None else effort_rate
+        return cls(times, moving, way, felt, grows, numpy.asarray(rises, float), kept)
+
+    @classmethod
+    def together(cls, parts: Sequence[Signals]) -> tuple[Signals, ...]:
+        """Return signals of several recordings whose ranges are those of all of them."""
+        names = ("t", "flow", "displacement", "effort", "rate", "effort_rate", "momentum")
+        whole = cls(*(numpy.concatenate([getattr(s, name) for s in parts]) for name in names))
+        return tuple(replace(part, whole=whole) for part in parts)
+
+    def _all(self, name: str) -> Array:
+        found: Array = getattr(self.whole or self, name)
+        return found
+
+    @property
+    def duration(self) -> float:
+        """Length of the recording, s."""
+        return float(numpy.ptp(self.t))
+
+    @property
+    def stroke(self) -> float:
+        """Half the range of displacement, in all recordings."""
+        return 0.5 * float(numpy.ptp(self._all("displacement")))
+
+    @property
+    def reach(self) -> tuple[float, float]:
+        """Least and greatest displacement; zero is always between."""
+        way = self._all("displacement")
+        return float(way.min(initial=0.0)), float(way.max(initial=0.0))
+
+    @property
+    def speed(self) -> float:
+        """A large flow: of all magnitudes, 95 % are below."""
+        return float(numpy.quantile(numpy.abs(self._all("flow")), 0.95))
+
+    @property
+    def efforts(self) -> tuple[float, float]:
+        """Least and greatest effort."""
+        effort = self._all("effort")
+        return float(effort.min()), float(effort.max())
 
 
 @dataclass(frozen=True)
@@ -62,6 +116,9 @@ class Feature:
         From `Signals` to an (nt,) array.
     memory : bool
         Whether it depends on the past beside the present.
+    rate : bool
+        Whether what acts is the time derivative of what `evaluate` returns: that of a smoothed
+        signal would carry the model's own error, so it is not formed.
 
     Examples
     --------
@@ -73,6 +130,7 @@ class Feature:
     name: str
     evaluate: Callable[[Signals], Array]
     memory: bool = False
+    rate: bool = False
 
 
 def stop(displacement: Array, width: float) -> Array:
@@ -123,7 +181,7 @@ def play(displacement: Array, width: float) -> Array:
     return numpy.asarray(displacement - displacement[0] - stop(displacement, width))
 
 
-def lagged(t: Array, values: Array, constant: float) -> Array:
+def lagged(t: Array, values: Array, constant: float, start: float | None = None) -> Array:
     """Return a signal behind a first-order lag, exact for straight lines between samples.
 
     Parameters
@@ -131,6 +189,8 @@ def lagged(t: Array, values: Array, constant: float) -> Array:
     t : (nt,) array, s
     values : (nt,) array
     constant : float, s
+    start : float, optional
+        What it begins with; the first value unless given.
 
     Returns
     -------
@@ -142,7 +202,7 @@ def lagged(t: Array, values: Array, constant: float) -> Array:
     True
     """
     out = numpy.empty(len(t))
-    out[0] = values[0]
+    out[0] = values[0] if start is None else start
     for index, step in enumerate(numpy.diff(t)):
         kept = numpy.exp(-step / constant)
         slope = (values[index + 1] - values[index]) / step
@@ -151,27 +211,42 @@ def lagged(t: Array, values: Array, constant: float) -> Array:
     return out
 
 
-def stops(*shares: float) -> tuple[Feature, ...]:
-    """Return stop operators whose widths are shares of the largest displacement."""
+@dataclass(frozen=True)
+class Shape:
+    """A form of an effect with its widths and thresholds set, linear in what is left.
 
-    def feature(share: float) -> Feature:
-        def evaluate(signals: Signals) -> Array:
-            return stop(signals.displacement, share * float(numpy.ptp(signals.displacement)) / 2)
+    Parameters
+    ----------
+    features : tuple of Feature
+        Their sum, each by an amount, is what the effect does.
+    starts : callable
+        ``starts(amounts, signals)``: coefficients by name, where a fit begins.
+    signed : bool
+        Whether amounts below zero are physical.
 
-        return Feature(f"stop({share:g})", evaluate, memory=True)
+    Examples
+    --------
+    >>> spring = Shape((Feature("q", lambda s: s.displacement),), lambda a, s: {"stiffness": a[0]})
+    >>> spring.starts([3.0], Signals.of([0.0, 1.0], flow=[1.0, 1.0]))
+    {'stiffness': 3.0}
+    """
 
-    return tuple(feature(share) for share in shares)
+    features: tuple[Feature, ...]
+    starts: Callable[[Sequence[float], Signals], Mapping[str, float]]
+    signed: bool = False
 
 
-def beyond(signal: str, *shares: float) -> tuple[Feature, ...]:
-    """Return what a signal is beyond shares of its largest magnitude."""
+def dry(signals: Signals) -> Array:
+    """Return the flow's sign, blurred where the flow is too small for it to be known."""
+    return numpy.asarray(numpy.tanh(signals.flow / (0.01 * signals.speed + 1e-300)))
 
-    def feature(share: float) -> Feature:
-        def evaluate(signals: Signals) -> Array:
-            values = getattr(signals, signal)
-            edge = share * float(numpy.nanmax(numpy.abs(values)))
-            return numpy.asarray(numpy.sign(values) * numpy.maximum(numpy.abs(values) - edge, 0.0))
 
-        return Feature(f"{signal} beyond {share:g}", evaluate)
+def over(values: Array, edge: float) -> Array:
+    """Return what of each magnitude is above an edge, with its sign.
 
-    return tuple(feature(share) for share in shares)
+    Examples
+    --------
+    >>> over(numpy.array([-3.0, 1.0, 4.0]), 2.0).tolist()
+    [-1.0, 0.0, 2.0]
+    """
+    return numpy.asarray(numpy.sign(values) * numpy.maximum(numpy.abs(values) - edge, 0.0))

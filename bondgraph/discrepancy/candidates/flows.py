@@ -6,7 +6,7 @@ import numpy
 import sympy
 
 from .builders import resistor, source
-from .features import Feature, beyond
+from .features import Feature, Shape, Signals
 from .places import EFFORT_JUNCTION, EFFORT_PAIR, POTENTIAL
 from .value import EFFORT, Coefficient, Effect
 
@@ -32,6 +32,21 @@ LEAKAGE = Effect(
     features=(Feature("e", lambda s: s.effort),),
 )
 _THRESHOLD = Coefficient("threshold", "{e}", "effort at the brim", lambda s: 0.8 * s.effort)
+
+
+def _above(share: float) -> Shape:
+    """Above a share of the range of effort."""
+
+    def brim(signals: Signals) -> float:
+        low, high = signals.efforts
+        return low + share * (high - low)
+
+    return Shape(
+        (Feature(f"e above {share:g}", lambda s: numpy.maximum(s.effort - brim(s), 0.0)),),
+        lambda a, s: {"conductance": a[0], "threshold": max(brim(s), 1e-300)},
+    )
+
+
 OVERFLOW = Effect(
     "overflow",
     (EFFORT_JUNCTION,),
@@ -41,7 +56,7 @@ OVERFLOW = Effect(
     "flow that begins above a threshold: a brim, a relief valve",
     "Merritt, Hydraulic Control Systems, ch. 5",
     domains=("hydraulic", "electrical"),
-    features=beyond("effort", 0.5, 0.7, 0.85),
+    shapes=tuple(map(_above, (0.5, 0.7, 0.85, 0.95))),
 )
 _ORIFICE = Coefficient(
     "orifice",

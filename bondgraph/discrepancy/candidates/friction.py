@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy
 import sympy
 
 from ...elements import C, Friction, One, R, Zero
 from .builders import resistor
-from .features import Feature, stops
+from .features import Feature, Shape, Signals, dry, stop
 from .place import Change, Place
 from .places import FLOW_JUNCTION, FLOW_PAIR, MECHANICAL, POWER
 from .value import FLOW, MEMORY, Coefficient, Effect, Scale
 
 _SITES = (FLOW_JUNCTION, FLOW_PAIR)
-_SIGN = Feature("sign(f)", lambda s: numpy.sign(s.flow))
+_SIGN = Feature("sign(f)", dry)
 
 
 def _force(scale: Scale) -> float:
@@ -32,12 +32,42 @@ _EXCESS = Coefficient(
 _SPEED = Coefficient("speed", "{f}", "Stribeck speed", lambda s: 0.1 * s.flow)
 
 
-def _falling(share: float) -> Feature:
-    return Feature(
-        f"sign(f) exp(-|f|/{share:g}F)",
-        lambda s: (
-            numpy.sign(s.flow) * numpy.exp(-abs(s.flow) / (share * numpy.nanmax(numpy.abs(s.flow))))
+def _falling(share: float) -> Shape:
+    return Shape(
+        (
+            _SIGN,
+            Feature(
+                f"sign(f) exp(-|f|/{share:g}F)",
+                lambda s: dry(s) * numpy.exp(-abs(s.flow) / (share * s.speed)),
+            ),
         ),
+        lambda a, s: {"level": a[0], "excess": a[1], "speed": share * s.speed},
+    )
+
+
+def _bristle(share: float) -> Shape:
+    """Elastic up to a width, then as dry friction."""
+
+    def starts(amounts: Sequence[float], signals: Signals) -> dict[str, float]:
+        level, width = max(amounts[0], 1e-300), share * signals.stroke
+        return {
+            "level": level,
+            "excess": 0.2 * level,
+            "speed": 0.1 * signals.speed,
+            "stiffness": level / width,
+            "damping": 0.1 * level / signals.speed,
+            "viscous": 0.01 * level / signals.speed,
+        }
+
+    return Shape(
+        (
+            Feature(
+                f"stop({share:g})",
+                lambda s: stop(s.displacement, share * s.stroke) / (share * s.stroke),
+                memory=True,
+            ),
+        ),
+        starts,
     )
 
 
@@ -119,7 +149,7 @@ STRIBECK = Effect(
     "dry friction that falls as slip grows",
     "Armstrong-Helouvry, Dupont, Canudas de Wit, Automatica 30 (1994) 1083-1138",
     domains=MECHANICAL,
-    features=(_SIGN, _falling(0.05), _falling(0.2)),
+    shapes=(_falling(0.03), _falling(0.1), _falling(0.3)),
     events=True,
 )
 LUGRE = Effect(
@@ -160,7 +190,7 @@ LUGRE = Effect(
     "bristles that bend and slip: rising static friction, lag, presliding",
     "Canudas de Wit, Olsson, Astrom, Lischinsky, IEEE Trans. Autom. Control 40 (1995) 419-425",
     domains=MECHANICAL,
-    features=(*stops(0.005, 0.02, 0.1), _falling(0.1)),
+    shapes=(_bristle(0.005), _bristle(0.02), _bristle(0.1)),
     states=("deflection of the bristles",),
     # bristles that damp by a constant may give energy back at high speed: Barahona, Canudas de Wit
     passive=False,

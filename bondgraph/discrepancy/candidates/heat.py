@@ -8,7 +8,7 @@ import numpy
 import sympy
 
 from ...elements import Block, Friction, R
-from .features import Array, Feature, Signals
+from .features import Array, Feature, Shape, Signals, lagged
 from .place import Change, Place
 from .places import DISSIPATOR, MECHANICAL
 from .value import MEMORY, SIGNAL, Coefficient, Effect
@@ -52,10 +52,25 @@ def _faded(
     return Change(replaced={old: twin}, blocks=(heat,))
 
 
-def _heat_times_effort(signals: Signals) -> Array:
+def _heat(signals: Signals) -> Array:
     power = signals.effort * signals.flow
     steps = numpy.diff(signals.t) * (power[1:] + power[:-1]) / 2
-    return numpy.asarray(-signals.effort * numpy.concatenate([[0.0], numpy.cumsum(steps)]))
+    return numpy.asarray(numpy.concatenate([[0.0], numpy.cumsum(steps)]))
+
+
+def _heated(share: float) -> Shape:
+    """Heat that leaves within a share of the time; all of it stays where that is infinite."""
+
+    def heat(signals: Signals) -> Array:
+        if share == numpy.inf:
+            return _heat(signals)
+        constant = share * signals.duration
+        return constant * lagged(signals.t, signals.effort * signals.flow, constant, 0.0)
+
+    return Shape(
+        (Feature(f"heat ({share:g})", heat, memory=True),),
+        lambda a, s: {"fade": a[0], "cooling": 1 / (min(share, 10.0) * s.duration)},
+    )
 
 
 FADE = Effect(
@@ -67,7 +82,7 @@ FADE = Effect(
     "a brake or damper that weakens with the heat it has made",
     "Limpert, Brake Design and Safety, 3rd ed., ch. 4",
     domains=MECHANICAL,
-    features=(Feature("-e heat", _heat_times_effort, memory=True),),
+    shapes=tuple(map(_heated, (0.03, 0.1, 0.3, numpy.inf))),
     states=("heat that has not left yet",),
 )
 HEAT = (FADE,)

@@ -53,7 +53,7 @@ ADDED = Effect(
     "inertia that was not counted: entrained fluid, a mount, an armature",
     "Karnopp, Margolis, Rosenberg, System Dynamics, ch. 3",
     domains=POWER,
-    features=(Feature("df/dt", lambda s: s.rate),),
+    features=(Feature("df/dt", lambda s: s.flow, rate=True),),
 )
 _CUBIC = Coefficient(
     "cubic",
@@ -72,9 +72,6 @@ NONLINEAR = Effect(
     "flow that grows faster than momentum: a coil whose iron saturates",
     "Thomas, Rosa, Toussaint, The Analysis and Design of Linear Circuits, ch. 6 (flux linkage)",
     domains=POWER,
-    features=(
-        # of the effort, to first order: the inertance falls with the square of the flow
-        Feature("-f^2 df/dt", lambda s: -(s.flow**2) * s.rate),
-    ),
+    features=(Feature("p^3", lambda s: s.momentum**3),),
 )
 INERTIAS = (NONLINEAR, ADDED)

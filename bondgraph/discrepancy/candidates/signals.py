@@ -10,7 +10,7 @@ import sympy
 from ...elements import Lag
 from ...graph import TIME
 from .builders import resourced, source
-from .features import Feature, beyond
+from .features import Feature, Shape, Signals, over
 from .place import Change, Place
 from .places import FLOW_JUNCTION, FLOW_PAIR, OUTPUT, POWER, SOURCE
 from .value import SIGNAL, Coefficient, Effect
@@ -79,6 +79,18 @@ SENSOR_BIAS = Effect(
 _LIMIT = Coefficient(
     "limit", "{u}", "largest magnitude", lambda s: 0.8 * s.effort, absent=numpy.inf
 )
+
+
+def _capped(share: float) -> Shape:
+    def limit(signals: Signals) -> float:
+        return share * max(map(abs, signals.efforts))
+
+    return Shape(
+        (Feature(f"-u beyond {share:g}", lambda s: -over(s.effort, limit(s))),),
+        lambda a, s: {"limit": limit(s)},
+    )
+
+
 SATURATION = Effect(
     "saturation",
     (SOURCE, OUTPUT),
@@ -87,7 +99,7 @@ SATURATION = Effect(
     _static,
     "a source or a sensor that gives no more",
     "Khalil, Nonlinear Systems, 3rd ed., ch. 1",
-    features=beyond("effort", 0.5, 0.7, 0.85),
+    shapes=tuple(map(_capped, (0.5, 0.7, 0.85, 0.95))),
 )
 DELAY = Effect(
     "transport_delay",
@@ -97,7 +109,7 @@ DELAY = Effect(
     _delayed,
     "what is given or said comes late; two all-pass sections, Pade (1, 1) each",
     "Franklin, Powell, Emami-Naeini, Feedback Control of Dynamic Systems, ch. 5",
-    features=(Feature("-du/dt", lambda s: -numpy.gradient(s.effort, s.t), memory=True),),
+    features=(Feature("-du/dt", lambda s: -s.effort_rate, memory=True),),
     states=tuple(f"section {number + 1} of the delay" for number in range(DELAY_SECTIONS)),
 )
 SIGNALS = (EFFORT_BIAS, SENSOR_BIAS, SATURATION, DELAY)

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 
 import numpy
 import sympy
 
 from ...elements import TF, C, EndStop, Integrator, One, R, Zero
 from .builders import begins, spring
-from .features import Feature, beyond, stops
+from .features import Feature, Shape, Signals, over, stop
 from .place import Change, Place
 from .places import BOND, EFFORT_JUNCTION, FLOW_JUNCTION, FLOW_PAIR, MECHANICAL, POWER
 from .value import DISPLACEMENT, FLOW, MEMORY, Coefficient, Effect
@@ -62,6 +62,15 @@ CUBIC = Effect(
     features=(Feature("q^3", lambda s: s.displacement**3),),
     states=_POSITION,
 )
+
+
+def _beyond(share: float) -> Shape:
+    return Shape(
+        (Feature(f"q beyond {share:g}Q", lambda s: over(s.displacement, share * s.stroke)),),
+        lambda a, s: {"stiffness": a[0], "width": share * s.stroke},
+    )
+
+
 DEAD_ZONE = Effect(
     "dead_zone",
     _SITES,
@@ -71,7 +80,7 @@ DEAD_ZONE = Effect(
     "a spring that acts beyond a clearance",
     "Nordin, Gutman, Automatica 38 (2002) 1633-1649",
     domains=MECHANICAL,
-    features=beyond("displacement", 0.25, 0.5, 0.75),
+    shapes=tuple(map(_beyond, (0.1, 0.25, 0.5, 0.75))),
     states=_POSITION,
 )
 
@@ -113,6 +122,35 @@ def _stopped(
     return Change(tuple(bonds), (way,), starts=begins(way.y, place))
 
 
+_SIDES = ("both", "upper", "lower")
+
+
+def _pushed(share: float, sides: str) -> Shape:
+    """Stops that are met near the ends of the way; far away on a side where there is none."""
+
+    def features() -> Iterable[Feature]:
+        if sides != "lower":
+            yield Feature(
+                f"q above {share:g}",
+                lambda s: numpy.maximum(s.displacement - share * s.reach[1], 0),
+            )
+        if sides != "upper":
+            yield Feature(
+                f"q below {share:g}",
+                lambda s: numpy.minimum(s.displacement - share * s.reach[0], 0),
+            )
+
+    def starts(amounts: Sequence[float], signals: Signals) -> dict[str, float]:
+        low, high = signals.reach
+        far = 10 * signals.stroke
+        upper = high if sides != "lower" else far + high
+        lower = -low if sides != "upper" else far - low
+        tiny = 1e-3 * signals.stroke
+        return {"upper": max(upper, tiny), "lower": max(lower, tiny), "rest": 0.02 * signals.speed}
+
+    return Shape(tuple(features()), starts)
+
+
 END_STOP = Effect(
     "end_stop",
     (FLOW_JUNCTION,),
@@ -136,7 +174,7 @@ END_STOP = Effect(
     "rigid stops on either side, with Newton's restitution",
     "Brogliato, Nonsmooth Mechanics, 3rd ed., ch. 1",
     domains=MECHANICAL,
-    features=beyond("displacement", 0.9, 0.95),
+    shapes=tuple(_pushed(share, sides) for share in (0.8, 0.95) for sides in _SIDES),
     states=_POSITION,
     events=True,
 )
@@ -157,6 +195,21 @@ def _hysteretic(
 _LEVEL = Coefficient(
     "level", "{e}", "effort when it yields", lambda s: 0.1 * s.effort, absent=0.0, linear=True
 )
+
+
+def _yielding(share: float) -> Shape:
+    return Shape(
+        (
+            Feature(
+                f"stop({share:g})",
+                lambda s: stop(s.displacement, share * s.stroke) / (share * s.stroke),
+                memory=True,
+            ),
+        ),
+        lambda a, s: {"level": a[0], "width": share * s.stroke},
+    )
+
+
 HYSTERESIS = Effect(
     "hysteresis",
     _SITES,
@@ -166,7 +219,7 @@ HYSTERESIS = Effect(
     "Bouc-Wen with exponent 2 and equal shares: elastic on unloading, yields on loading",
     "Ikhouane, Rodellar, Systems with Hysteresis, Wiley 2007",
     domains=MECHANICAL,
-    features=stops(0.1, 0.3, 0.6),
+    shapes=tuple(map(_yielding, (0.05, 0.15, 0.3, 0.6))),
     states=("elongation of the hysteretic spring",),
 )
 
@@ -203,7 +256,15 @@ COUPLING = Effect(
     "what was rigid yields: spring and damper inside a bond",
     "Karnopp, Margolis, Rosenberg, System Dynamics, ch. 4",
     domains=POWER,
-    features=(Feature("de/dt", lambda s: numpy.gradient(s.effort, s.t)),),
+    shapes=(
+        Shape(
+            (Feature("de/dt", lambda s: s.effort, rate=True),),
+            lambda a, s: {
+                "stiffness": 1 / max(a[0], 1e-300),
+                "damping": 1e-3 * float(numpy.median(numpy.diff(s.t))) / max(a[0], 1e-300),
+            },
+        ),
+    ),
     states=("elongation of the coupling",),
 )
 _SINE, _COSINE = (
@@ -215,11 +276,25 @@ _SINE, _COSINE = (
 _ORDER = Coefficient("order", "1/({q})", "waves per displacement, times 2 pi", lambda s: 1.0)
 
 
-def _wave(order: float) -> tuple[Feature, ...]:
-    return (
-        Feature(f"sin({order:g} q)", lambda s: numpy.sin(order * s.displacement)),
-        Feature(f"cos({order:g} q)", lambda s: numpy.cos(order * s.displacement)),
+def _wave(order: Callable[[Signals], float], name: str) -> Shape:
+    return Shape(
+        (
+            Feature(f"sin({name} q)", lambda s: numpy.sin(order(s) * s.displacement)),
+            Feature(f"cos({name} q)", lambda s: numpy.cos(order(s) * s.displacement)),
+        ),
+        lambda a, s: {"sine": a[0], "cosine": a[1], "order": order(s)},
+        signed=True,
     )
+
+
+def _turns(count: float) -> Shape:
+    """Waves per radian: whole ones of a turning shaft."""
+    return _wave(lambda s: count, f"{count:g}")
+
+
+def _lengths(count: float) -> Shape:
+    """Waves over the whole way, of which a place knows no unit."""
+    return _wave(lambda s: numpy.pi * count / s.stroke, f"{count:g} waves")
 
 
 RUN_OUT = Effect(
@@ -237,7 +312,7 @@ RUN_OUT = Effect(
     "an effort that repeats with the angle: eccentricity, cogging, thickness variation",
     "Hanselman, Brushless Permanent Magnet Motor Design, ch. 4 (cogging)",
     domains=MECHANICAL,
-    features=(*_wave(1.0), *_wave(2.0)),
+    shapes=(*map(_turns, (1, 2, 3, 4, 6, 8, 12, 24)), *map(_lengths, (1, 2, 4, 8, 16))),
     states=_POSITION,
 )
 SPRINGS = (LINEAR, CUBIC, DEAD_ZONE, END_STOP, HYSTERESIS, COUPLING, RUN_OUT)

@@ -10,7 +10,7 @@ from typing import Any
 import sympy
 
 from ...errors import LawError
-from .features import Feature
+from .features import Feature, Shape
 from .place import Change, Place
 from .places import KINDS
 
@@ -110,7 +110,11 @@ class Effect:
     domains : tuple of str
         Empty for any.
     features : tuple of Feature
-        What the latent effort or flow is regressed on; linear in coefficients.
+        What the latent effort or flow is regressed on, one for each linear coefficient: at
+        junctions and pairs what the effect takes, at sources and outputs what it adds, at an
+        inertia what it adds to the flow, at a dissipator the share by which it weakens.
+    shapes : tuple of Shape
+        The same for laws with widths or thresholds, several of them with different ones.
     states : tuple of str
         Meanings of the states that it adds; empty for a static effect.
     passive : bool
@@ -139,6 +143,7 @@ class Effect:
     reference: str
     domains: tuple[str, ...] = ()
     features: tuple[Feature, ...] = ()
+    shapes: tuple[Shape, ...] = ()
     states: tuple[str, ...] = ()
     passive: bool = True
     events: bool = False
@@ -180,6 +185,15 @@ class Effect:
     def linear(self) -> tuple[str, ...]:
         """Coefficients that the effect is proportional to, all of them absent at zero."""
         return tuple(item.name for item in self.coefficients if item.linear)
+
+    @property
+    def forms(self) -> tuple[Shape, ...]:
+        """The shapes; of an effect without any, one of all features."""
+        if self.shapes or not self.features:
+            return self.shapes
+        names = self.linear or tuple(self.symbols)
+        signed = any(item.signed for item in self.coefficients)
+        return (Shape(self.features, lambda a, _: dict(zip(names, a, strict=False)), signed),)
 
     def start(self, scale: Scale | None = None) -> dict[str, float]:
         """Return first values of the coefficients, SI.

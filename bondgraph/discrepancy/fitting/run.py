@@ -38,6 +38,7 @@ def fit(
     *,
     parameters: Mapping[Any, Any] | None = None,
     initial: Mapping[Any, Any] | None = None,
+    ties: Mapping[str, Mapping[str, float]] | None = None,
     bounds: Mapping[Any, Any] | None = None,
     priors: Mapping[Any, Any] | None = None,
     noise: Mapping[str, float] | None = None,
@@ -64,6 +65,9 @@ def fit(
     initial : mapping, optional
         Initial states as for `simulate`, in all recordings; where the free ones start.
         ``Measurement.initial`` has those of one recording.
+    ties : mapping of str to mapping of str to float, optional
+        Start states that are sums of other states, each by a factor, such as two springs side
+        by side: ``{"second.q": {"first.q": 1.0}}``.
     bounds : mapping, optional
         Name to ``(lower, upper)`` in SI or with units, None where there is none. Steps are
         projected on them.
@@ -128,7 +132,9 @@ def fit(
     recordings = tuple(recorded(row, compiled) for row in rows)
     unknowns, start = sought(compiled, free, len(rows), parameters, bounds, priors)
     problem = Problem(
-        gun=Gun(compiled, recordings, rtol, unknowns.fixed, dict(initial or {})),
+        gun=Gun(
+            compiled, recordings, rtol, unknowns.fixed, dict(initial or {}), dict(ties or {})
+        ),
         unknowns=unknowns,
         segments=tuple(cut(recording, i, 1) for i, recording in enumerate(recordings)),
         sigma=_first_noise(recordings, noise or {}),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy
@@ -74,6 +74,8 @@ class Gun:
         Parameters of all runs that are not sought.
     initial : mapping
         Initial states known in all recordings.
+    ties : mapping of str to mapping of str to float
+        Start states that are sums of others, each by a factor.
     """
 
     model: CompiledModel
@@ -81,6 +83,7 @@ class Gun:
     rtol: float
     fixed: Mapping[str, Any]
     initial: Mapping[str, Any]
+    ties: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
 
     def __call__(
         self,
@@ -128,14 +131,20 @@ class Gun:
         recording = self.recordings[segment.recording]
         times = recording.t[segment.first : segment.last]
         known = {**self.initial, **recording.initial} if segment.first == 0 else {}
+        ties = self.ties if segment.first == 0 else {}
+        begun = {**known, **states}
+        tied = {
+            name: sum(factor * begun.get(other, 0.0) for other, factor in shares.items())
+            for name, shares in ties.items()
+        }
         try:
             with numpy.errstate(all="ignore"):
                 found = sensitivities(
                     self.model,
                     (segment.start, segment.end),
-                    [*states, *parameters],
+                    [*states, *parameters, *tied],
                     {**self.fixed, **parameters},
-                    {**known, **states},
+                    {**begun, **tied},
                     recording.inputs,
                     times,
                     rtol,
@@ -153,8 +162,23 @@ class Gun:
                         residuals[name] = signal - part
         except BondGraphError as error:
             return f"{recording.name}: {error}"
-        shot = Shot(residuals, slopes, run.x_end, found.x_end, run)
+        follow = _following(list(states), len(parameters), ties)
+        slopes = {name: follow @ rows for name, rows in slopes.items()}
+        shot = Shot(residuals, slopes, run.x_end, found.x_end @ follow.T, run)
         return shot if _finite(shot) else f"{recording.name}: derivatives are not finite"
+
+
+def _following(
+    states: list[str], parameters: int, ties: Mapping[str, Mapping[str, float]]
+) -> Array:
+    """Return what adds the slopes by tied start states to those by the states they follow."""
+    own = len(states) + parameters
+    follow = numpy.hstack([numpy.eye(own), numpy.zeros((own, len(ties)))])
+    for column, shares in enumerate(ties.values(), start=own):
+        for name, factor in shares.items():
+            if name in states:
+                follow[states.index(name), column] = factor
+    return follow
 
 
 def _told(found: Sensitivities, name: str) -> tuple[Array, Array]:

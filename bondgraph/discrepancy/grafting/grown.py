@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import Any
@@ -57,6 +57,34 @@ class Grafted:
     edits: tuple[Edit, ...]
     starts: Mapping[str, sympy.Expr]
 
+    def ties(
+        self, states: Iterable[str], parameters: Mapping[Any, Any] | None = None
+    ) -> dict[str, dict[str, float]]:
+        """Return how the start of new elements follows that of states, as `fit` takes it.
+
+        Parameters
+        ----------
+        states : iterable of str
+        parameters : mapping, optional
+            Overrides of parameters.
+
+        Returns
+        -------
+        dict of str to dict of str to float
+            Of new states that follow any of them.
+        """
+        known = list(states)
+        nothing = dict.fromkeys(known, 0.0)
+        base = self.initial(nothing, parameters)
+        found: dict[str, dict[str, float]] = {}
+        for name in known:
+            moved = self.initial({**nothing, name: 1.0}, parameters)
+            for state in self.starts:
+                share = moved.get(state, 0.0) - base.get(state, 0.0)
+                if share:
+                    found.setdefault(state, {})[name] = share
+        return found
+
     @property
     def diff(self) -> tuple[str, ...]:
         """What changed, as lines of text."""
@@ -65,7 +93,7 @@ class Grafted:
     def initial(
         self, given: Mapping[str, float], parameters: Mapping[Any, Any] | None = None
     ) -> dict[str, float]:
-        """Return initial states with those of the new elements added.
+        """Return initial states with those of the new elements that follow from them.
 
         A new spring beside one that begins stretched begins stretched too.
 

@@ -41,7 +41,7 @@ def place_of(graph: BondGraph, site: Site, name: str) -> Place:
             name,
             Zero(f"{name}_between", pseudo=pseudo),
             first.f - second.f,
-            displacement=_relative(graph, *site.at),
+            displacement=relative(graph, *site.at),
             start=start,
         )
     element = ends[0]
@@ -68,7 +68,7 @@ def displacement(graph: BondGraph, junction: str) -> sympy.Expr | None:
     return None
 
 
-def _relative(graph: BondGraph, first: str, second: str) -> sympy.Expr | None:
+def relative(graph: BondGraph, first: str, second: str) -> sympy.Expr | None:
     """Return the integral of the difference of two flows, where states tell it."""
     for label, _ in graph.of(Zero):
         bonds = graph.bonds_of(label)

@@ -1,0 +1,42 @@
+"""Comparing fits: by what they leave, over what independent samples allow."""
+
+from __future__ import annotations
+
+import math
+
+from .trial import Trial
+
+
+def delta_bic(before: Trial, after: Trial) -> float:
+    """Return the drop of the Bayesian information criterion from one fit to another.
+
+    The noise of each signal is unknown; samples count as often as the residuals of the better fit
+    are independent.
+
+    Parameters
+    ----------
+    before, after : Trial
+        Of the same recordings.
+
+    Returns
+    -------
+    float
+
+    References
+    ----------
+    Kass, Raftery, Bayes factors, Journal of the American Statistical Association 90 (1995) 773-795.
+    """
+    gain, count = log_ratio(before, after)
+    return gain - (after.terms - before.terms) * math.log(max(count, 2.0))
+
+
+def log_ratio(before: Trial, after: Trial) -> tuple[float, float]:
+    """Return twice the logarithm of the likelihood ratio, and the effective number of samples."""
+    gain, count = 0.0, 0.0
+    for name, squares in after.squares.items():
+        other = before.squares.get(name, squares)
+        better = after if squares <= other else before
+        number = better.effective.get(name, 1.0)
+        gain += number * math.log(max(other, 1e-300) / max(squares, 1e-300))
+        count += number
+    return gain, count

@@ -1,0 +1,354 @@
+"""Trials: effects grown into the graph and fitted with the model's own parameters."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy
+
+from ...errors import BondGraphError
+from ...graph import BondGraph
+from ...simulation import CompiledModel, simulate
+from ..candidates import Effect
+from ..fitting import Fit, fit
+from ..grafting import Grafted, Site, graft
+from ..measurement import Measurement
+from .prepare import Prepared
+
+Array = numpy.ndarray
+
+STEPS = 40
+LOOSE = 1.0  # standard deviation of the logarithm of own parameters about what was given
+
+
+@dataclass(frozen=True, eq=False)
+class Added:
+    """One effect to be grown into a graph, and where its coefficients start.
+
+    Attributes
+    ----------
+    effect : Effect
+    site : Site
+    starts : mapping of str to float
+    """
+
+    effect: Effect
+    site: Site
+    starts: Mapping[str, float]
+
+    @property
+    def label(self) -> str:
+        """``effect at site``."""
+        return f"{self.effect.name} at {self.site.name}"
+
+
+@dataclass(frozen=True, eq=False)
+class Trial:
+    """A graph with effects, fitted.
+
+    Attributes
+    ----------
+    added : tuple of Added
+    grafts : tuple of Grafted
+    graph : BondGraph
+    model : CompiledModel
+    fit : Fit
+    measurements : tuple of Measurement
+        With the start states found.
+    likelihood : float
+        Twice the negative logarithm with the noise of each signal unknown, samples counted as
+        independent.
+    """
+
+    added: tuple[Added, ...]
+    grafts: tuple[Grafted, ...]
+    graph: BondGraph
+    model: CompiledModel
+    fit: Fit
+    measurements: tuple[Measurement, ...]
+    squares: Mapping[str, float]
+    counts: Mapping[str, int]
+    effective: Mapping[str, float]
+
+    @property
+    def label(self) -> str:
+        """Effects and sites, in one order."""
+        return " + ".join(sorted(item.label for item in self.added))
+
+    @property
+    def terms(self) -> int:
+        """Coefficients that the effects brought."""
+        return sum(len(item.effect.coefficients) for item in self.added)
+
+    @property
+    def values(self) -> dict[str, float]:
+        """All fitted parameters, SI."""
+        return dict(self.fit.values)
+
+
+@dataclass(frozen=True, eq=False)
+class Bench:
+    """What all trials share.
+
+    Attributes
+    ----------
+    graph : BondGraph
+    recordings : tuple of Prepared
+    free : tuple of str
+        Own parameters.
+    states : tuple of str
+        Whose start is sought.
+    given : mapping of str to float
+        Parameters as they are given, SI.
+    deadline : float
+    """
+
+    graph: BondGraph
+    recordings: tuple[Prepared, ...]
+    free: tuple[str, ...]
+    states: tuple[str, ...]
+    given: Mapping[str, float]
+    deadline: float
+    starts: tuple[Mapping[str, float], ...] = field(default=())
+
+    @property
+    def left(self) -> float:
+        """Seconds."""
+        return max(self.deadline - time.monotonic(), 1.0)
+
+
+def tried(
+    bench: Bench,
+    added: Sequence[Added],
+    own: Sequence[Mapping[str, float]],
+    *,
+    steps: int = STEPS,
+    segments: Any = None,
+) -> Trial | BondGraphError:
+    """Grow effects into the graph and fit; what goes wrong is an answer.
+
+    Parameters
+    ----------
+    bench : Bench
+    added : sequence of Added
+        Empty for the model by itself.
+    own : sequence of mapping
+        Own parameters to start from; of several the one that runs nearest to the data.
+    steps : int
+        Of the fit.
+    segments : as for `fit`
+    """
+    try:
+        graph, grafts = grown(bench.graph, added)
+        model = CompiledModel(graph)
+        new = {
+            graft_.parameters[key]: float(value)
+            for graft_, item in zip(grafts, added, strict=True)
+            for key, value in item.starts.items()
+        }
+        rows = tuple(
+            _started(recording.plain, start, grafts, bench.states)
+            for recording, start in zip(bench.recordings, bench.starts, strict=True)
+        )
+        start = _nearest(model, rows, bench, [{**bench.given, **each, **new} for each in own])
+        free = [*bench.free, *(name for item in grafts for name in item.parameters.values())]
+        free += [name for name in bench.states if name in _states(model)]
+        found = fit(
+            model,
+            rows,
+            free,
+            parameters=start,
+            priors=_priors(bench),
+            ties=_ties(grafts, model, start),
+            segments=segments,
+            loss="linear",
+            max_iterations=steps,
+            time_budget=bench.left,
+        )
+        return trial_of(tuple(added), grafts, graph, model, found, rows)
+    except BondGraphError as error:
+        return error
+
+
+def trial_of(
+    added: tuple[Added, ...],
+    grafts: tuple[Grafted, ...],
+    graph: BondGraph,
+    model: CompiledModel,
+    found: Fit,
+    rows: tuple[Measurement, ...],
+) -> Trial | BondGraphError:
+    """Return a fit with what comparisons need."""
+    squares: dict[str, float] = {}
+    counts: dict[str, int] = {}
+    effective: dict[str, float] = {}
+    for channel in found.channels:
+        there = numpy.isfinite(channel.residuals)
+        squares[channel.signal] = squares.get(channel.signal, 0.0) + float(
+            (channel.residuals[there] ** 2).sum()
+        )
+        counts[channel.signal] = counts.get(channel.signal, 0) + int(there.sum())
+        effective[channel.signal] = effective.get(channel.signal, 0.0) + channel.effective
+    if not squares or not all(math.isfinite(value) for value in squares.values()):
+        return BondGraphError(f"the fit did not run: {found.advice}")
+    begun = tuple(
+        row.changed(initial={**row.initial, **found.initial[i]}) if found.initial else row
+        for i, row in enumerate(rows)
+    )
+    return Trial(added, grafts, graph, model, found, begun, squares, counts, effective)
+
+
+def grown(graph: BondGraph, added: Sequence[Added]) -> tuple[BondGraph, tuple[Grafted, ...]]:
+    """Grow effects into a graph one after the other."""
+    grafts = []
+    for item in added:
+        found = graft(graph, item.effect, item.site, parameters=dict(item.starts))
+        grafts.append(found)
+        graph = found.graph
+    return graph, tuple(grafts)
+
+
+def _ties(
+    grafts: Sequence[Grafted], model: CompiledModel, parameters: Mapping[str, float]
+) -> dict[str, dict[str, float]]:
+    """Return how starts of new elements follow those of the states that were there before them."""
+    found: dict[str, dict[str, float]] = {}
+    states = [state.name for state in model.equations.states]
+    new = {state for item in grafts for state in item.starts}
+    for item in grafts:
+        known = {key: value for key, value in parameters.items() if key in _names(item.graph)}
+        found |= item.ties([name for name in states if name not in new], known)
+    return found
+
+
+def _names(graph: BondGraph) -> set[str]:
+    return {symbol.name for symbol in graph.parameters}
+
+
+def _states(model: CompiledModel) -> set[str]:
+    return {state.name for state in model.equations.states}
+
+
+def _started(
+    row: Measurement,
+    start: Mapping[str, float],
+    grafts: Sequence[Grafted],
+    sought: Sequence[str],
+) -> Measurement:
+    """Return a recording that begins where the smoother says, new springs beside old ones."""
+    known = {**row.initial, **{name: start[name] for name in sought if name in start}}
+    for item in grafts:
+        known = item.initial(known)
+    return row.changed(initial=known)
+
+
+def _nearest(
+    model: CompiledModel,
+    rows: Sequence[Measurement],
+    bench: Bench,
+    starts: Sequence[Mapping[str, float]],
+) -> dict[str, float]:
+    """Return the parameters whose run is nearest to the data."""
+    if len(starts) == 1:
+        return dict(starts[0])
+    best, nearest = dict(starts[0]), math.inf
+    for each in starts:
+        try:
+            off = sum(
+                misfit(model, prepared, row, each)
+                for prepared, row in zip(bench.recordings, rows, strict=True)
+            )
+        except BondGraphError:
+            continue
+        if off < nearest:
+            best, nearest = dict(each), off
+    return best
+
+
+def misfit(
+    model: CompiledModel, recording: Prepared, row: Measurement, parameters: Mapping[str, float]
+) -> float:
+    """Return squares of residuals over each signal's variance; infinite where a run fails."""
+    found = followed(model, recording, row.initial, parameters)
+    total = 0.0
+    for name in recording.signals:
+        measured = recording.plain.columns[name]
+        off = (found[name] - measured)[numpy.isfinite(measured)]
+        total += float((off**2).sum()) / max(float(numpy.nanvar(measured)), 1e-300)
+    return total if math.isfinite(total) else math.inf
+
+
+def followed(
+    model: CompiledModel,
+    recording: Prepared,
+    initial: Mapping[str, float],
+    parameters: Mapping[str, float],
+) -> dict[str, Array]:
+    """Return the measured signals as the model runs; NaN where the run did not reach."""
+    t = recording.plain.t
+    states = _states(model)
+    outputs = set(model.equations.outputs)
+    known = {name: value for name, value in initial.items() if name in states | outputs}
+    run = simulate(model, (t[0], t[-1]), parameters, known, recording.item.inputs, t_eval=t)
+    table = {}
+    for name in recording.signals:
+        values = numpy.full(len(t), numpy.nan)
+        values[: len(run.t)] = run[name][: len(t)]
+        table[name] = values
+    return table
+
+
+def _priors(bench: Bench) -> dict[str, tuple[float, float]]:
+    """Hold what the data do not tell near what was given, loosely."""
+    return {
+        name: (bench.given[name], LOOSE * abs(bench.given[name]))
+        for name in bench.free
+        if bench.given.get(name)
+    }
+
+
+def again(
+    bench: Bench,
+    trial: Trial,
+    recordings: Sequence[Prepared],
+    starts: Sequence[Mapping[str, float]],
+) -> list[dict[str, float]]:
+    """Find where other recordings start, with the parameters of a trial.
+
+    Returns
+    -------
+    list of dict of str to float
+        Start states by recording.
+    """
+    found = []
+    states = [name for name in bench.states if name in _states(trial.model)]
+    parameters = {**bench.given, **trial.values}
+    for recording, start in zip(recordings, starts, strict=True):
+        row = _started(recording.plain, start, trial.grafts, bench.states)
+        open_ = [name for name in states if name in recording.item.free]
+        if not open_:
+            found.append(dict(row.initial))
+            continue
+        try:
+            begun = fit(
+                trial.model,
+                row,
+                open_,
+                parameters=parameters,
+                segments=None,
+                max_iterations=STEPS,
+                time_budget=bench.left,
+            )
+            found.append({**row.initial, **begun.initial[0]})
+        except BondGraphError:
+            found.append(dict(row.initial))
+    return found
+
+
+def renewed(bench: Bench, **changes: Any) -> Bench:
+    """Return the bench with other values."""
+    return replace(bench, **changes)

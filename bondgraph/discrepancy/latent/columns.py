@@ -1,0 +1,204 @@
+"""Columns: what each form of each effect at each site would do to the recordings."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+import numpy
+import sympy
+
+from ..candidates import Effect, Scale
+from ..candidates.features import Shape, Signals
+from ..candidates.places import SOURCE
+from ..grafting import Site
+from .functions import Functions
+from .probes import Probe, Probed
+from .relax import Relaxed
+
+Array = numpy.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class Candidate:
+    """One form of an effect at a site.
+
+    Attributes
+    ----------
+    effect : Effect
+    site : Site
+    shape : Shape
+    signals : Signals
+        Of the site, in all recordings.
+    probe : int
+        Which of the probes.
+    """
+
+    effect: Effect
+    site: Site
+    shape: Shape
+    signals: Signals
+    probe: int
+
+    @property
+    def label(self) -> str:
+        """``effect at site``."""
+        return f"{self.effect.name} at {self.site.name}"
+
+    @property
+    def scale(self) -> Scale:
+        """How large things are at the site."""
+        signals = self.signals
+        sizes = [
+            float(numpy.quantile(numpy.abs(values), 0.95)) if numpy.isfinite(values).all() else 0.0
+            for values in (
+                signals.effort,
+                signals.flow,
+                signals.displacement - signals.displacement.mean(),
+            )
+        ]
+        return Scale(*(size or 1.0 for size in sizes), signals.duration)
+
+    def starts(self, amounts: Sequence[float]) -> dict[str, float]:
+        """Return the coefficients that amounts of the columns tell."""
+        return dict(self.shape.starts(list(map(float, amounts)), self.signals))
+
+
+@dataclass(frozen=True, eq=False)
+class Columns:
+    """What candidates do at each time of the courses.
+
+    Attributes
+    ----------
+    candidates : tuple of Candidate
+    groups : tuple of tuple of int
+        Columns of each candidate.
+    probes : (c,) array of int
+        Which probe a column works through.
+    rates : (c,) array of bool
+        Columns of which the time derivative acts.
+    values : tuple of (before, after)
+        By course: (nt, c) arrays, just before and after each time.
+    """
+
+    candidates: tuple[Candidate, ...]
+    groups: tuple[tuple[int, ...], ...]
+    probes: Array
+    rates: Array
+    values: tuple[tuple[Array, Array], ...]
+
+
+def columns_of(found: Relaxed, probed: Probed, effects: Iterable[Effect]) -> Columns:
+    """Evaluate the features of all effects at all sites along courses.
+
+    Parameters
+    ----------
+    found : Relaxed
+        Of the probed graph.
+    probed : Probed
+    effects : iterable of Effect
+
+    Returns
+    -------
+    Columns
+    """
+    known = tuple(effects)
+    wanted = {
+        f"{i}.{key}": expression
+        for i, probe in enumerate(probed.probes)
+        for key, expression in probe.signals.items()
+        if expression is not sympy.nan
+    }
+    functions = Functions(found.functions.equations, (), (), wanted)
+    tables = {
+        side: _evaluated(found, functions, side, list(wanted)) for side in ("before", "after")
+    }
+    candidates: list[Candidate] = []
+    groups: list[tuple[int, ...]] = []
+    where: list[int] = []
+    rates: list[bool] = []
+    parts: dict[str, list[list[Array]]] = {"before": [], "after": []}
+    for i, probe in enumerate(probed.probes):
+        fitting = [effect for effect in known if probe.site.fits(effect)]
+        sides = ("before", "after") if probe.site.kind == SOURCE else ("after",)
+        signals = {side: _signals(found, tables[side], i, probe) for side in sides}
+        if not all(signals.values()):
+            continue
+        for effect in fitting:
+            for shape in effect.forms:
+                made = {side: _features(shape, signals[side]) for side in sides}
+                if not all(numpy.isfinite(part).all() for rows in made.values() for part in rows):
+                    continue
+                if not any(numpy.abs(part).max(initial=0.0) > 0 for part in made["after"]):
+                    continue
+                first = len(where)
+                groups.append(tuple(range(first, first + len(shape.features))))
+                where += [i] * len(shape.features)
+                rates += [feature.rate for feature in shape.features]
+                for side in ("before", "after"):
+                    parts[side].append(made.get(side, made["after"]))
+                whole = signals["after"][0].whole
+                assert whole is not None
+                candidates.append(Candidate(effect, probe.site, shape, whole, i))
+    values = []
+    for number, course in enumerate(found.courses):
+        empty = numpy.zeros((len(course.grid), 0))
+        before, after = (
+            numpy.hstack([empty, *(rows[number] for rows in parts[side])])
+            for side in ("before", "after")
+        )
+        values.append((before, after))
+    return Columns(
+        tuple(candidates),
+        tuple(groups),
+        numpy.array(where, dtype=int),
+        numpy.array(rates, dtype=bool),
+        tuple(values),
+    )
+
+
+def _evaluated(
+    found: Relaxed, functions: Functions, side: str, names: list[str]
+) -> list[dict[str, Array]]:
+    """Return signals by course."""
+    p = found.table.vector(found.values)
+    tables = []
+    for course in found.courses:
+        u = course.grid.before if side == "before" else course.grid.after
+        said, rising = functions.signals(course.grid.t, course.x, u, p)
+        table = dict(zip(names, said.T, strict=True))
+        tables.append(table | {f"{name}'": row for name, row in zip(names, rising.T, strict=True)})
+    return tables
+
+
+def _signals(
+    found: Relaxed, tables: list[dict[str, Array]], number: int, probe: Probe
+) -> tuple[Signals, ...]:
+    """Return the signals of a site by course; none where nothing is known of it."""
+    parts = []
+    ways: dict[str, float] = {}
+    for course, table in zip(found.courses, tables, strict=True):
+        given = {
+            key: table[f"{number}.{key}"] for key in probe.signals if f"{number}.{key}" in table
+        }
+        for key, rate in (("flow", "rate"), ("effort", "effort_rate")):
+            if f"{number}.{key}'" in table:
+                given[rate] = table[f"{number}.{key}'"]
+        if not given:
+            return ()
+        made = Signals.of(course.grid.t, **given)
+        if "displacement" not in given and "flow" in given:
+            # sections of one recording go on where the one before ended
+            begun = ways.get(course.record.name, 0.0)
+            ways[course.record.name] = begun + float(made.displacement[-1])
+            made = Signals.of(course.grid.t, **given, displacement=made.displacement + begun)
+        parts.append(made)
+    return Signals.together(parts)
+
+
+def _features(shape: Shape, parts: Sequence[Signals]) -> list[Array]:
+    with numpy.errstate(all="ignore"):
+        return [
+            numpy.column_stack([feature.evaluate(part) for feature in shape.features])
+            for part in parts
+        ]

@@ -1,0 +1,194 @@
+"""Rates, outputs, site signals and their derivatives, over many points at once."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import casadi
+import numpy
+import sympy
+
+from ...codegen.program import Program
+from ...codegen.to_casadi import to_casadi
+from ...equations import Equations
+from ...errors import SimulationError
+from ...graph import TIME
+
+Array = numpy.ndarray
+
+AT_ONCE = 1024
+
+
+@dataclass(frozen=True, eq=False)
+class Points:
+    """What a model does at many points.
+
+    Attributes
+    ----------
+    rates : (nt, n) array
+    outputs : (nt, ny) array
+    rates_x, outputs_x : (nt, n, n) and (nt, ny, n) arrays
+        Derivatives by the states.
+    rates_p, outputs_p : (nt, n, q) and (nt, ny, q) arrays
+        Derivatives by the parameters asked for.
+    """
+
+    rates: Array
+    outputs: Array
+    rates_x: Array
+    outputs_x: Array
+    rates_p: Array
+    outputs_p: Array
+
+
+class Functions:
+    """Functions of a model over many points.
+
+    Contacts slip: their direction is that of the slip, blurred near rest. Switches are open.
+
+    Parameters
+    ----------
+    equations : Equations
+    outputs : sequence of str
+        Of which derivatives are taken.
+    wanted : sequence of str
+        Parameters of the equations to take derivatives by.
+    signals : mapping of str to Expr, optional
+        Expressions in the graph's variables, to be evaluated as well.
+
+    Raises
+    ------
+    SimulationError
+        Where the equations keep algebraic variables.
+    """
+
+    def __init__(
+        self,
+        equations: Equations,
+        outputs: Sequence[str],
+        wanted: Sequence[str],
+        signals: Mapping[str, sympy.Expr] | None = None,
+    ) -> None:
+        if equations.algebraic:
+            raise SimulationError(
+                f"model {equations.name!r} keeps algebraic variables: its states cannot be smoothed"
+            )
+        self.equations = equations
+        self.outputs, self.wanted = tuple(outputs), tuple(wanted)
+        local = equations.own_symbols
+        known = {name: expression.xreplace(local) for name, expression in (signals or {}).items()}
+        self.signal_names = tuple(known)
+        program = Program.pruned(
+            "point",
+            [
+                ("t", [TIME]),
+                ("x", equations.states),
+                ("u", equations.inputs),
+                ("p", equations.parameters),
+                ("s", [contact.direction for contact in equations.contacts]),
+                ("w", list(equations.switches.values())),
+            ],
+            equations.assignments,
+            {
+                "rates": equations.derivatives,
+                "outputs": [equations.outputs[name] for name in outputs],
+                "slip": [contact.slip for contact in equations.contacts],
+                "signals": list(known.values()),
+            },
+        )
+        plain = to_casadi(program)
+        arguments = plain.sx_in()
+        names = [symbol.name for symbol in equations.parameters]
+        unknown = [name for name in wanted if name not in names]
+        if unknown:
+            raise SimulationError(f"{', '.join(unknown)}: no parameters of these equations")
+        chosen = [names.index(name) for name in wanted]
+        rates, found, slip, said = plain(*arguments)
+        pushed = casadi.SX.sym("du", len(equations.inputs))
+        rising = casadi.jtimes(said, arguments[1], rates) + casadi.jtimes(
+            said, arguments[2], pushed
+        )
+        by = [casadi.vertcat(rates, found)] * 2
+        slopes = [
+            casadi.densify(casadi.jacobian(by[0], arguments[1])),
+            casadi.densify(casadi.jacobian(by[1], arguments[3])[:, chosen]),
+        ]
+        self._point = casadi.Function("point", arguments, [rates, found, *slopes])
+        self._slips = casadi.Function("slips", arguments, [slip])
+        self._signals = casadi.Function("signals", [*arguments, pushed], [said, rising])
+
+    def at(self, t: Array, x: Array, u: Array, p: Array, calm: Array | float = 0.0) -> Points:
+        """Evaluate rates, outputs and their derivatives.
+
+        Parameters
+        ----------
+        t : (nt,) array
+        x : (nt, n) array
+        u : (nt, m) array
+        p : (np,) array
+            All parameters of the equations, in their order.
+        calm : float or (k,) array
+            Slip of each contact below which its direction is blurred.
+        """
+        n, ny, q = x.shape[1], len(self.outputs), len(self.wanted)
+        s = self._directions(t, x, u, p, calm)
+        rates, outputs, by_x, by_p = self._mapped(self._point, t, x, u, p, s)
+        by_x, by_p = by_x.reshape(len(t), n, n + ny), by_p.reshape(len(t), q, n + ny)
+        by_x, by_p = by_x.transpose(0, 2, 1), by_p.transpose(0, 2, 1)
+        return Points(rates, outputs, by_x[:, :n], by_x[:, n:], by_p[:, :n], by_p[:, n:])
+
+    def signals(
+        self, t: Array, x: Array, u: Array, p: Array, calm: Array | float = 0.0
+    ) -> tuple[Array, Array]:
+        """Return the named signals and their rates by the model, each (nt, number of signals).
+
+        Rates of a smoothed course would carry the model's own error, which a regression of that
+        error must not contain.
+        """
+        s = self._directions(t, x, u, p, calm)
+        pushed = numpy.gradient(u, t, axis=0) if len(t) > 1 else numpy.zeros_like(u)
+        said, rising = self._mapped(self._signals, t, x, u, p, s, pushed)
+        return said, rising
+
+    def slips(self, t: Array, x: Array, u: Array, p: Array) -> Array:
+        """Return the slip of each contact, shape (nt, k)."""
+        s = numpy.ones((len(t), len(self.equations.contacts)))
+        return self._mapped(self._slips, t, x, u, p, s)[0]
+
+    def _directions(self, t: Array, x: Array, u: Array, p: Array, calm: Array | float) -> Array:
+        if not self.equations.contacts:
+            return numpy.zeros((len(t), 0))
+        slip = self.slips(t, x, u, p)
+        size = numpy.quantile(numpy.abs(slip), 0.95, axis=0)
+        return numpy.asarray(numpy.tanh(slip / numpy.maximum(0.01 * size + calm, 1e-300)))
+
+    def _mapped(
+        self,
+        function: casadi.Function,
+        t: Array,
+        x: Array,
+        u: Array,
+        p: Array,
+        s: Array,
+        *more: Array,
+    ) -> list[Array]:
+        """Evaluate point by point; each result has the points first."""
+        w = numpy.zeros((len(t), len(self.equations.switches)))
+        rows = [t[:, None], x, u, None, s, w, *more]
+        parts: list[list[Array]] = [[] for _ in range(function.n_out())]
+        count = min(AT_ONCE, len(t))
+        many = function.map(count)
+        constant = casadi.repmat(casadi.DM(p), 1, count)
+        for start in range(0, len(t), count):
+            begin = min(start, len(t) - count)
+            given = [
+                constant if row is None else casadi.DM(row[begin : begin + count].T) for row in rows
+            ]
+            fresh = start - begin
+            for part, found in zip(parts, many.call(given), strict=True):
+                wide = numpy.asarray(found.full())
+                width = wide.shape[1] // count
+                columns = wide.T.reshape(count, width * wide.shape[0])
+                part.append(columns[fresh:])
+        return [numpy.concatenate(part) for part in parts]
