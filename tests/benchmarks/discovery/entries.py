@@ -165,7 +165,7 @@ _CHAIN = (
         {"stiffness": 500.0, "damping": 1.5},
         ("stiffness", "damping"),
     ),
-    Entry("unheld_chain", "linear_stiffness", "first", {"stiffness": 150.0}, ("stiffness",)),
+    Entry("unheld_chain", "linear_stiffness", "first", {"stiffness": 2.0}, ("stiffness",)),
     Entry("two_mass_chain", "transport_delay", "output v2", {"delay": 0.012}, ("delay",)),
     Entry("two_mass_chain", "saturation", "output v1", {"limit": 0.18}, ("limit",)),
 )
@@ -212,7 +212,7 @@ _CAR = (
         form="stiff_bristles",
     ),
     Entry("quarter_car", "quadratic_drag", "suspension", {"drag": 2500.0}, ("drag",)),
-    Entry("quarter_car", "cubic_stiffness", "suspension", {"cubic": 3e7}, ("cubic",)),
+    Entry("quarter_car", "cubic_stiffness", "suspension", {"cubic": 1e7}, ("cubic",)),
     Entry(
         "quarter_car",
         "dead_zone",
@@ -389,7 +389,7 @@ _CIRCUIT = (
     Entry("rlc", "transport_delay", "source generator", {"delay": 2e-4}, ("delay",)),
     Entry("rlc", "sensor_bias", "output current", {"offset": 0.3}, ("offset",)),
     Entry("rlc", "linear_stiffness", "loop", {"stiffness": 4e3}, ("stiffness",)),
-    Entry("rc", "added_inertia", "loop", {"inertance": 2e-3}, ("inertance",)),
+    Entry("rc", "added_inertia", "loop", {"inertance": 6e-4}, ("inertance",)),
 )
 ENTRIES: tuple[Entry, ...] = (
     *_BODY,

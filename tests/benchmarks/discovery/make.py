@@ -18,7 +18,17 @@ SIZES = (500, 800, 1200)
 DRIFT = 0.05  # parameters of the truth are off by up to this share
 STRONG, WEAK = 0.5, 0.15  # share of a signal's deviation that an effect changes
 SEEN = 200.0  # drop of chi squared, beyond parameters, from which an effect counts as identifiable
+APART = 25.0  # of chi squared, from which two sites count as told apart
+SWAPS = {
+    "dc_motor": ("wheel", "motor"),
+    "free_motor": ("wheel", "motor"),
+    "two_mass_chain": ("first", "second"),
+    "undamped_chain": ("first", "second"),
+    "unheld_chain": ("first", "second"),
+    "two_tanks": ("first", "second"),
+}
 FACTORS = numpy.geomspace(1 / 6, 6, 5)
+HALVINGS = 5
 HELPERS = ("bend", "pace")  # coefficients of the truth's own forms
 
 
@@ -73,7 +83,8 @@ def made(plan: Plan) -> Made:
     seen = {"model": plan.machine}
     if plan.flaw == "zero":
         seen["holds"] = {setting.plant.drive: "zero"}
-    return Made(plan.id, seen, records, _sealed(plan, setting, hidden, share, gain))
+    also = elsewhere(plan, setting, hidden, signals)
+    return Made(plan.id, seen, records, _sealed(plan, setting, hidden, share, gain, also))
 
 
 def strength(
@@ -88,23 +99,64 @@ def strength(
     """
     if not hidden:
         return 0.0, 0.0
-    without, with_ = setting.run([]), setting.run(hidden)
-    scale = {name: numpy.std(without[name]) for name in signals}
+    seen = Seen.of(setting, signals)
+    gap = seen.gap(hidden)
+    parts = numpy.split(gap, len(signals))
+    share = max(float(numpy.sqrt(numpy.mean(part**2))) for part in parts)
+    return share, seen.left(gap) / noise**2
 
-    def stacked(columns: Mapping[str, Array]) -> Array:
-        return numpy.concatenate([columns[name] / scale[name] for name in signals])
 
-    share = max(
-        float(numpy.sqrt(numpy.mean((with_[n] - without[n]) ** 2)) / scale[n]) for n in signals
-    )
-    base, slopes = stacked(without), []
-    for name in setting.plant.table:
-        moved = setting.parameters[name] * 1.001
-        slopes.append((stacked(setting.run([], **{name: moved})) - base) / 1e-3)
-    matrix = numpy.stack(slopes, axis=1)
-    gap = stacked(with_) - base
-    left = gap - matrix @ numpy.linalg.lstsq(matrix, gap, rcond=None)[0]
-    return share, float(left @ left) / noise**2
+@dataclass(frozen=True)
+class Seen:
+    """Signals of a setting over their deviations, one after the other; and what parameters do."""
+
+    setting: Setting
+    signals: Sequence[str]
+    scale: Mapping[str, float]
+    base: Array
+    slopes: Array
+
+    @classmethod
+    def of(cls, setting: Setting, signals: Sequence[str]) -> Seen:
+        without = setting.run([])
+        scale = {name: float(numpy.std(without[name])) for name in signals}
+        bare = cls(setting, signals, scale, numpy.zeros(()), numpy.zeros(()))
+        base, slopes = bare.stacked(without), []
+        for name in setting.plant.table:
+            moved = setting.run([], **{name: setting.parameters[name] * 1.001})
+            slopes.append((bare.stacked(moved) - base) / 1e-3)
+        return replace(bare, base=base, slopes=numpy.stack(slopes, axis=1))
+
+    def stacked(self, columns: Mapping[str, Array]) -> Array:
+        return numpy.concatenate([columns[name] / self.scale[name] for name in self.signals])
+
+    def gap(self, hidden: Sequence[Hidden]) -> Array:
+        """Return what hidden effects change."""
+        return self.stacked(self.setting.run(hidden)) - self.base
+
+    def left(self, gap: Array, *more: Array) -> float:
+        """Return the sum of squares beyond parameters, and beyond other changes."""
+        matrix = numpy.column_stack([self.slopes, *more])
+        rest = gap - matrix @ numpy.linalg.lstsq(matrix, gap, rcond=None)[0]
+        return float(rest @ rest)
+
+
+def elsewhere(
+    plan: Plan, setting: Setting, hidden: Sequence[Hidden], signals: Sequence[str]
+) -> tuple[tuple[str, str], ...]:
+    """Return other sites at which the same effect explains these signals as well.
+
+    To first order in its strength, and to less than `APART` of chi squared.
+    """
+    if plan.kind != "effect" or hidden[0].site not in SWAPS.get(plan.machine, ()):
+        return ()
+    (there,), seen, found = hidden, Seen.of(setting, signals), []
+    gap = seen.gap(hidden)
+    for site in SWAPS[plan.machine]:
+        other = seen.gap([replace(there, site=site)])
+        if site != there.site and seen.left(gap, other) < APART * plan.noise**2:
+            found.append((there.effect, site))
+    return tuple(found)
 
 
 def _setting(plan: Plan, rng: numpy.random.Generator) -> Setting:
@@ -161,18 +213,21 @@ def _scaled(setting: Setting, hidden: Hidden, names: Sequence[str], target: floa
 
     grid = numpy.log(FACTORS)
     sizes = numpy.log([share(factor) for factor in FACTORS]) - numpy.log(target)
+    seen = dict(zip(grid.tolist(), sizes.tolist(), strict=True))
     crossing = numpy.flatnonzero(numpy.diff(numpy.sign(sizes)))
-    if not crossing.size:
-        return [at(float(FACTORS[numpy.argmin(abs(sizes))]))]
-    i = min(crossing, key=lambda i: abs(i - 1.5))  # the nearest to the entry's own numbers
-    low, high, a, b = grid[i], grid[i + 1], sizes[i], sizes[i + 1]
-    for _ in range(3):
-        middle = low + (high - low) * a / (a - b)
-        new = numpy.log(share(float(numpy.exp(middle)))) - numpy.log(target)
-        if abs(new) < 0.05:
-            break
-        low, a, high, b = (middle, new, high, b) if new * a > 0 else (low, a, middle, new)
-    return [at(float(numpy.exp(middle)))]
+    if crossing.size:
+        i = min(crossing, key=lambda i: abs(i - 1.5))  # the nearest to the entry's own numbers
+        low, high = float(grid[i]), float(grid[i + 1])
+        for _ in range(HALVINGS):
+            # not quite a secant: impacts jump, and a secant stands still at a jump
+            share_low = seen[low] / (seen[low] - seen[high])
+            middle = low + (high - low) * min(max(share_low, 0.25), 0.75)
+            seen[middle] = float(numpy.log(share(float(numpy.exp(middle)))) - numpy.log(target))
+            if abs(seen[middle]) < 0.1:
+                break
+            low, high = (middle, high) if seen[middle] * seen[low] > 0 else (low, middle)
+    best = min(seen, key=lambda place: abs(seen[place]))
+    return [at(float(numpy.exp(best)))]
 
 
 def _record(
@@ -201,10 +256,15 @@ def _record(
 
 
 def _sealed(
-    plan: Plan, setting: Setting, hidden: Sequence[Hidden], share: float, gain: float
+    plan: Plan,
+    setting: Setting,
+    hidden: Sequence[Hidden],
+    share: float,
+    gain: float,
+    also: Sequence[tuple[str, str]],
 ) -> dict[str, Any]:
     """Return what only the scorer may read."""
-    right = [list(map(list, entry.right)) for entry in plan.entries]
+    right = [list(map(list, dict.fromkeys((*entry.right, *also)))) for entry in plan.entries]
     if plan.kind in ("outside", "low"):
         right = []
     elif plan.right:

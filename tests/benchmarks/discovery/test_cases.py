@@ -110,3 +110,17 @@ def test_an_effect_that_is_not_excited_leaves_nothing():
     for plan in plans():
         if plan.kind == "low":
             assert made(plan).sealed["gain"] < 5
+
+
+def test_sites_that_no_signal_tells_apart_are_both_right():
+    """A load on the motor's wheel is known from one on its rotor by the twist of the shaft only."""
+    blurred = next(
+        plan
+        for plan in plans()
+        if plan.machine == "free_motor" and plan.kind == "effect" and plan.noise == 0.2
+    )
+    sharp = plan_of("effect", "free_motor", noise=0.002)
+    assert made(blurred).sealed["right"] == [
+        [["viscous_damping", "wheel"], ["viscous_damping", "motor"]]
+    ]
+    assert made(sharp).sealed["right"] == [[["viscous_damping", "wheel"]]]

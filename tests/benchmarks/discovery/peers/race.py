@@ -31,7 +31,12 @@ def report(
     progress : told a line a case
     """
     if find_spec("pysindy") is None:
-        return Report("pysindy", ("noise",), [], notes=["pysindy is not installed: pip install it"])
+        return Report(
+            "pysindy",
+            ("noise",),
+            [],
+            notes=["pysindy is not installed: pip install halfarrow[bench]"],
+        )
     apt = [row for row in rows if expected(row.truth)]
     told = folder / ANSWERS
     known = {answer["id"] for answer in files.answers(told)}
