@@ -22,6 +22,7 @@ Tell = Callable[[str], object]
 
 MOST = 3  # effects
 SINGLES, PAIRS = 6, 2  # refitted in each round
+SHORTEST, TIMES = 4.0, 8.0  # a fit may take so many seconds, or times as long as the base
 WORTH = 10.0  # drop of the criterion that an effect has to bring: odds of 150 to 1
 
 
@@ -74,11 +75,12 @@ def searched(bench: Bench, signals: Sequence[str], effects: Sequence[Effect], te
     """
     tell("screening every effect at every site")
     sketch = _sketched(bench, bench.graph, signals, effects, {})
-    bench = replace(bench, starts=starts_of(sketch.relaxed, bench))
+    bench = replace(bench, starts=starts_of(sketch.relaxed, bench), ways=ways_of(sketch.relaxed))
     tell("fitting the model by itself")
     base = tried(bench, (), [bench.given], segments="auto")
     if isinstance(base, BondGraphError):
         raise base
+    bench = replace(bench, seconds=max(SHORTEST, TIMES * base.fit.seconds))
     current, trials, warnings = base, list[Trial](), list[str]()
     sketches, limits = [], []
     while True:
@@ -147,6 +149,16 @@ def starts_of(found: Relaxed, bench: Bench) -> tuple[dict[str, float], ...]:
     for course in found.courses:
         first.setdefault(course.record.name, dict(zip(names, course.x[0].tolist(), strict=True)))
     return tuple(first[row.name] for row in bench.recordings)
+
+
+def ways_of(found: Relaxed) -> dict[tuple[str, str], float]:
+    """Return in which directions the model errs, by pairs of states."""
+    names = [state.name for state in found.functions.equations.states]
+    return {
+        (one, other): float(found.ways[i, j])
+        for i, one in enumerate(names)
+        for j, other in enumerate(names)
+    }
 
 
 def _refitted(

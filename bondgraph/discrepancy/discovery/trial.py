@@ -16,6 +16,7 @@ from ...simulation import CompiledModel, simulate
 from ..candidates import Effect
 from ..fitting import Fit, fit
 from ..grafting import Grafted, Site, graft
+from ..latent.relax import eased
 from ..measurement import Measurement
 from .prepare import Prepared
 
@@ -105,6 +106,13 @@ class Bench:
     given : mapping of str to float
         Parameters as they are given, SI.
     deadline : float
+        Of `time.monotonic`.
+    starts : tuple of mapping of str to float
+        Where the smoother says that each recording begins.
+    ways : mapping of (str, str) to float
+        In which the model may err, see `bondgraph.discrepancy.latent.eased`.
+    seconds : float
+        Limit of one fit.
     """
 
     graph: BondGraph
@@ -114,6 +122,8 @@ class Bench:
     given: Mapping[str, float]
     deadline: float
     starts: tuple[Mapping[str, float], ...] = field(default=())
+    ways: Mapping[tuple[str, str], float] = field(default_factory=dict)
+    seconds: float = math.inf
 
     @property
     def left(self) -> float:
@@ -154,7 +164,10 @@ def tried(
             _started(recording.plain, start, grafts, bench.states)
             for recording, start in zip(bench.recordings, bench.starts, strict=True)
         )
-        start = _nearest(model, rows, bench, [{**bench.given, **each, **new} for each in own])
+        own = [{**bench.given, **each, **new} for each in own]
+        if bench.ways and added:
+            own = [*_eased(bench, model, grafts, own[0]), *own]
+        start = _nearest(model, rows, bench, own)
         free = [*bench.free, *(name for item in grafts for name in item.parameters.values())]
         free += [name for name in bench.states if name in _states(model)]
         found = fit(
@@ -167,11 +180,33 @@ def tried(
             segments=segments,
             loss="linear",
             max_iterations=steps,
-            time_budget=bench.left,
+            time_budget=min(bench.left, bench.seconds),
         )
         return trial_of(tuple(added), grafts, graph, model, found, rows)
     except BondGraphError as error:
         return error
+
+
+def _eased(
+    bench: Bench, model: CompiledModel, grafts: Sequence[Grafted], start: Mapping[str, float]
+) -> list[dict[str, float]]:
+    """Return where a fit that lets the model err less and less comes to; nothing where it fails."""
+    signals = list(dict.fromkeys(name for row in bench.recordings for name in row.signals))
+    free = [*bench.free, *(name for item in grafts for name in item.parameters.values())]
+    try:
+        with numpy.errstate(all="ignore"):
+            found = eased(
+                model,
+                [row.record(signals) for row in bench.recordings],
+                signals,
+                free,
+                start,
+                bench.ways,
+            )
+            values = found.table.given(found.values)
+    except (BondGraphError, ValueError, numpy.linalg.LinAlgError):
+        return []
+    return [values] if all(map(math.isfinite, values.values())) else []
 
 
 def trial_of(

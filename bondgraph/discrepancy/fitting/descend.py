@@ -99,11 +99,13 @@ def step_from(problem: Problem, point: Point, misfit: Misfit, lam: float) -> tup
     damped = numpy.diag(lam**0.5 * size)
     left = numpy.concatenate([rows[:, :-1], damped])[:, free] / size[free]
     right = numpy.concatenate([-rows[:, -1], numpy.zeros(len(size))])
-    if free.any():
-        step[free] = numpy.linalg.lstsq(left, right, rcond=1e-13)[0] / size[free]
     logs = numpy.array([item.log for item in unknowns.items])
-    longest = abs(step[logs]).max(initial=0.0)
-    step *= min(1.0, LOG_STEP / longest) if longest > 0 else 1.0
+    low = numpy.maximum(unknowns.lower - point.z, numpy.where(logs, -LOG_STEP, -numpy.inf))
+    high = numpy.minimum(unknowns.upper - point.z, numpy.where(logs, LOG_STEP, numpy.inf))
+    if free.any():
+        step[free] = (
+            _within(left, right, low[free] * size[free], high[free] * size[free]) / size[free]
+        )
     z = numpy.clip(point.z + step, unknowns.lower, unknowns.upper)
     step = z - point.z
     q = len(unknowns.parameters)
@@ -121,6 +123,16 @@ def step_from(problem: Problem, point: Point, misfit: Misfit, lam: float) -> tup
     )
     before += float(misfit.prior[:, -1] @ misfit.prior[:, -1])
     return Point(z, tuple(starts)), before - after - float(rest @ rest)
+
+
+def _within(left: Array, right: Array, low: Array, high: Array) -> Array:
+    """Solve least squares in a box; one that is cut off where it leaves the box may promise a rise."""
+    step: Array = numpy.linalg.lstsq(left, right, rcond=1e-13)[0]
+    if ((step < low) | (step > high)).any() and (low < high).all():
+        from scipy.optimize import lsq_linear
+
+        step = lsq_linear(left, right, (low, high), method="bvls").x
+    return numpy.clip(step, low, high)
 
 
 def _free(rows: Array, z: Array, lower: Array, upper: Array) -> Array:

@@ -132,9 +132,7 @@ def fit(
     recordings = tuple(recorded(row, compiled) for row in rows)
     unknowns, start = sought(compiled, free, len(rows), parameters, bounds, priors)
     problem = Problem(
-        gun=Gun(
-            compiled, recordings, rtol, unknowns.fixed, dict(initial or {}), dict(ties or {})
-        ),
+        gun=Gun(compiled, recordings, rtol, unknowns.fixed, dict(initial or {}), dict(ties or {})),
         unknowns=unknowns,
         segments=tuple(cut(recording, i, 1) for i, recording in enumerate(recordings)),
         sigma=_first_noise(recordings, noise or {}),

@@ -1,0 +1,1 @@
+"""Recordings of machines that lack something, by simulators that know nothing of bond graphs."""
