@@ -34,10 +34,12 @@ class Setup:
     roots: tuple[str, ...] = ()
     more: tuple[str, ...] = ()
 
-    def features(self, states: Columns) -> Columns:
-        """Return all terms but the constant one."""
-        names = dict.fromkeys(name for terms in self.equations.values() for name in terms)
-        found = {name: states[name] for name in (*names, *self.more)}
+    def features(self, states: Columns, equation: str) -> Columns:
+        """Return all terms that an equation may have, but the constant one.
+
+        Linear ones are the nominal model's and `more`: which states meet in an equation is known.
+        """
+        found = {name: states[name] for name in (*self.equations[equation], *self.more)}
         for name in self.flows:
             found[f"{name}|{name}|"] = states[name] * abs(states[name])
             found[f"sign({name})"] = numpy.sign(states[name])

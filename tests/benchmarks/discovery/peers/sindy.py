@@ -40,8 +40,8 @@ def solve(folder: Path, latent: Latent | None = None) -> dict[str, Any]:
     Parameters
     ----------
     folder : of a case
-    latent : what makes states better than smoothing does, from folder and recording; columns by name
-        take the place of those derived
+    latent : what makes signals and states better than smoothing does, from folder and recording;
+        columns by name take the place of those measured and derived
     """
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
@@ -77,10 +77,10 @@ def _best(
     for window in WINDOWS:
         recordings = [read(folder, label, setup, window, latent) for label in ("train", "validate")]
         (t, states), (held_t, held) = recordings
-        features = {**setup.features(states), "1": numpy.ones(len(t))}
+        features = {**setup.features(states, equation), "1": numpy.ones(len(t))}
         names = list(features)
         size = numpy.array([numpy.std(column) or 1.0 for column in features.values()])
-        held_features = {**setup.features(held), "1": numpy.ones(len(held_t))}
+        held_features = {**setup.features(held, equation), "1": numpy.ones(len(held_t))}
         scale = numpy.std(numpy.gradient(_smooth(states[equation], 21), t))
         weak = _weak(t, states[equation] / scale, numpy.stack([*features.values()]) / size[:, None])
         other = _weak(
@@ -158,8 +158,8 @@ def read(
         there = numpy.isfinite(column)
         whole = numpy.interp(t, t[there], column[there])
         columns[name] = whole if name == driven else _smooth(whole, window)
-    states = setup.derive(t, columns)
-    return t, {**states, **(latent(folder, label) if latent else {})}
+    better = latent(folder, label) if latent else {}
+    return t, {**setup.derive(t, {**columns, **better}), **better}
 
 
 def _smooth(column: Array, window: int) -> Array:
