@@ -21,6 +21,7 @@ if TYPE_CHECKING:
         poincare_section,
         spectrum,
     )
+    from .discrepancy.discovery import Discovery, discover
     from .discrepancy.fitting import Fit, fit
     from .discrepancy.measurement import Measurement
     from .elements import (
@@ -89,7 +90,9 @@ _HOME = {
     "EigenvalueMap": "stability",
     "EndStop": "elements",
     "Equations": "equations",
+    "Discovery": "discrepancy.discovery",
     "Fit": "discrepancy.fitting",
+    "discover": "discrepancy.discovery",
     "Measurement": "discrepancy.measurement",
     "Friction": "elements",
     "GY": "elements",
@@ -167,6 +170,8 @@ __all__ = [
     "EndStop",
     "Equations",
     "fit",
+    "discover",
+    "Discovery",
     "Fit",
     "Friction",
     "GY",

@@ -7,6 +7,7 @@ one, `candidates` holds the effects that may be missing, `screening` scores them
 """
 
 from .candidates import EFFECTS, Effect
+from .discovery import Discovery, Verdict, discover
 from .grafting import Grafted, Site, graft, sites
 from .measurement import Matched, Measurement, matched, read_all
 from .residual import (
@@ -39,7 +40,10 @@ from .residual import (
 from .screening import Screening, screen
 
 __all__ = [
+    "Discovery",
     "EFFECTS",
+    "Verdict",
+    "discover",
     "Effect",
     "Grafted",
     "Matched",

@@ -9,7 +9,7 @@ import sympy
 
 from ...elements import TF, C, EndStop, Integrator, One, R, Zero
 from .builders import begins, spring
-from .features import Feature, Shape, Signals, over, stop
+from .features import Array, Feature, Shape, Signals, over, stop
 from .place import Change, Place
 from .places import BOND, EFFORT_JUNCTION, FLOW_JUNCTION, FLOW_PAIR, MECHANICAL, POWER
 from .value import DISPLACEMENT, FLOW, MEMORY, Coefficient, Effect
@@ -125,20 +125,20 @@ def _stopped(
 _SIDES = ("both", "upper", "lower")
 
 
+def _pressed(signals: Signals, edge: float, side: int) -> Array:
+    """Return how fast a stop is run into: an impact takes the speed that is left at the edge."""
+    there = side * (signals.displacement - edge) > 0
+    return numpy.asarray(side * numpy.maximum(side * signals.flow, 0.0) * there)
+
+
 def _pushed(share: float, sides: str) -> Shape:
     """Stops that are met near the ends of the way; far away on a side where there is none."""
 
     def features() -> Iterable[Feature]:
         if sides != "lower":
-            yield Feature(
-                f"q above {share:g}",
-                lambda s: numpy.maximum(s.displacement - share * s.reach[1], 0),
-            )
+            yield Feature(f"q above {share:g}", lambda s: _pressed(s, s.reach[1] * share, 1))
         if sides != "upper":
-            yield Feature(
-                f"q below {share:g}",
-                lambda s: numpy.minimum(s.displacement - share * s.reach[0], 0),
-            )
+            yield Feature(f"q below {share:g}", lambda s: _pressed(s, s.reach[0] * share, -1))
 
     def starts(amounts: Sequence[float], signals: Signals) -> dict[str, float]:
         low, high = signals.reach
@@ -174,7 +174,7 @@ END_STOP = Effect(
     "rigid stops on either side, with Newton's restitution",
     "Brogliato, Nonsmooth Mechanics, 3rd ed., ch. 1",
     domains=MECHANICAL,
-    shapes=tuple(_pushed(share, sides) for share in (0.8, 0.95) for sides in _SIDES),
+    shapes=tuple(_pushed(share, sides) for share in (0.7, 0.85, 0.95) for sides in _SIDES),
     states=_POSITION,
     events=True,
 )

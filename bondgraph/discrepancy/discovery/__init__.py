@@ -1,5 +1,6 @@
 """The whole chain: recordings and a model in, a named effect and an improved model out."""
 
+from .run import discover
 from .value import Course, Discovery, Estimate, Explanation, Gap, LearnedLaw, NamedEffect
 from .verdict import Verdict
 
@@ -12,4 +13,5 @@ __all__ = [
     "LearnedLaw",
     "NamedEffect",
     "Verdict",
+    "discover",
 ]

@@ -27,6 +27,7 @@ def delta_bic(before: Trial, after: Trial) -> float:
     Kass, Raftery, Bayes factors, Journal of the American Statistical Association 90 (1995) 773-795.
     """
     gain, count = log_ratio(before, after)
+    gain += before.strain - after.strain
     return gain - (after.terms - before.terms) * math.log(max(count, 2.0))
 
 

@@ -208,7 +208,7 @@ def _added(item: Hypothesis, number: int) -> Added:
     candidate = item.candidates[number]
     starts = candidate.effect.start(candidate.scale)
     starts |= candidate.starts(item.amounts[number].tolist())
-    return Added(candidate.effect, candidate.site, starts)
+    return Added(candidate.effect, candidate.site, starts, candidate.pair)
 
 
 def _own(sketch: Sketch, item: Hypothesis) -> dict[str, float]:

@@ -23,7 +23,7 @@ from .prepare import Prepared
 Array = numpy.ndarray
 
 STEPS = 40
-LOOSE = 1.0  # standard deviation of the logarithm of own parameters about what was given
+LOOSE = 0.4  # standard deviation of the logarithm of own parameters about what was given
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,11 +35,14 @@ class Added:
     effect : Effect
     site : Site
     starts : mapping of str to float
+    pair : tuple of str
+        The two junctions between which the site is, where it is such a place.
     """
 
     effect: Effect
     site: Site
     starts: Mapping[str, float]
+    pair: tuple[str, ...] = ()
 
     @property
     def label(self) -> str:
@@ -60,9 +63,10 @@ class Trial:
     fit : Fit
     measurements : tuple of Measurement
         With the start states found.
-    likelihood : float
-        Twice the negative logarithm with the noise of each signal unknown, samples counted as
-        independent.
+    squares, counts, effective : mapping of str to number
+        By signal: sum of squared residuals, samples, and how many independent ones they are worth.
+    given : mapping of str to float
+        Own parameters before the fit.
     """
 
     added: tuple[Added, ...]
@@ -74,6 +78,7 @@ class Trial:
     squares: Mapping[str, float]
     counts: Mapping[str, int]
     effective: Mapping[str, float]
+    given: Mapping[str, float]
 
     @property
     def label(self) -> str:
@@ -84,6 +89,15 @@ class Trial:
     def terms(self) -> int:
         """Coefficients that the effects brought."""
         return sum(len(item.effect.coefficients) for item in self.added)
+
+    @property
+    def strain(self) -> float:
+        """How far own parameters are from what was given, in squares of what is likely."""
+        return sum(
+            (math.log(self.fit.values[name] / given) / LOOSE) ** 2
+            for name, given in self.given.items()
+            if name in self.fit.values and given and self.fit.values[name] / given > 0
+        )
 
     @property
     def values(self) -> dict[str, float]:
@@ -182,7 +196,7 @@ def tried(
             max_iterations=steps,
             time_budget=min(bench.left, bench.seconds),
         )
-        return trial_of(tuple(added), grafts, graph, model, found, rows)
+        return trial_of(tuple(added), grafts, graph, model, found, rows, bench.given)
     except BondGraphError as error:
         return error
 
@@ -216,6 +230,7 @@ def trial_of(
     model: CompiledModel,
     found: Fit,
     rows: tuple[Measurement, ...],
+    given: Mapping[str, float],
 ) -> Trial | BondGraphError:
     """Return a fit with what comparisons need."""
     squares: dict[str, float] = {}
@@ -234,7 +249,7 @@ def trial_of(
         row.changed(initial={**row.initial, **found.initial[i]}) if found.initial else row
         for i, row in enumerate(rows)
     )
-    return Trial(added, grafts, graph, model, found, begun, squares, counts, effective)
+    return Trial(added, grafts, graph, model, found, begun, squares, counts, effective, given)
 
 
 def grown(graph: BondGraph, added: Sequence[Added]) -> tuple[BondGraph, tuple[Grafted, ...]]:

@@ -1,0 +1,24 @@
+"""Latent efforts and flows: states that follow recordings while the model may err, and what would explain the error.
+
+`relax` follows recordings, `probes` and `columns` say what every effect at every site would do along
+them, `screen` scores effects, `null` says what noise alone would reach.
+"""
+
+from .null import threshold
+from .probes import Probe, Probed, probed
+from .relax import Record, Relaxed, eased, relaxed
+from .screen import Hypothesis, Sketch, sketched
+
+__all__ = [
+    "Hypothesis",
+    "Probe",
+    "Probed",
+    "Record",
+    "Relaxed",
+    "Sketch",
+    "eased",
+    "probed",
+    "relaxed",
+    "sketched",
+    "threshold",
+]

@@ -32,6 +32,8 @@ class Candidate:
         Of the site, in all recordings.
     probe : int
         Which of the probes.
+    pair : tuple of str
+        The two junctions between which the site is, where it is such a place.
     """
 
     effect: Effect
@@ -39,6 +41,7 @@ class Candidate:
     shape: Shape
     signals: Signals
     probe: int
+    pair: tuple[str, ...] = ()
 
     @property
     def label(self) -> str:

@@ -21,13 +21,14 @@ from .table import Table
 
 Array = numpy.ndarray
 
-ERRORS = (1e-4, 1e-3, 1e-2, 0.03, 0.1, 0.3, 1.0, 3.0)  # of a rate, each sample its own
-EASING = (0.3, 0.3, 0.1, 0.1, 0.03, 0.03, 0.01, 0.01, 3e-3, 1e-3, 3e-4, 1e-4)
+ERRORS = (1e-3, 1e-2, 0.03, 0.1, 0.3, 1.0, 3.0)  # of a rate, each sample its own
+EASING = (0.3, 0.3, 0.1, 0.1, 0.03, 0.03, 0.01, 0.01, 3e-3, 1e-3)
 ROUNDS = 6
 SECTION = 8192  # times that are smoothed at once
 TURN = 0.3  # rad of the fastest oscillation in a step
 LOOSE = 0.7  # of own parameters, standard deviation of their logarithm
 LEAST_TURN = 1e-9
+REST = 1e-2  # error of rates that no site reaches, over that of those which one does
 
 
 @dataclass(frozen=True, eq=False)
@@ -183,6 +184,19 @@ def relaxed(
     return best
 
 
+def followed(found: Relaxed, record: Record) -> Course:
+    """Follow another recording with the same parameters and the same error; its first section."""
+    model = found.table.model
+    course = next(_begun(model, found.functions, record, found.table))
+    alone = replace(found, courses=(course,))
+    for _ in range(2):
+        try:
+            alone = _stepped(alone, (max(found.error, ERRORS[1]),), moving=False)
+        except SimulationError:
+            break
+    return alone.courses[0]
+
+
 def eased(
     model: CompiledModel,
     records: Sequence[Record],
@@ -215,7 +229,7 @@ def eased(
     parts = tuple(part for record in records for part in _begun(model, functions, record, table))
     found = Relaxed(functions, table, table.start, parts, 1.0, numpy.eye(1), numpy.inf)
     size = numpy.concatenate([lines.rates for _, lines, _, _ in found.linear()])
-    least = 1e-3 * numpy.sqrt((size**2).mean(axis=0))
+    least = REST * numpy.sqrt((size**2).mean(axis=0))
     spread = numpy.diag(numpy.maximum(least, 1e-9 * least.max(initial=1e-300)) ** 2)
     names = [state.name for state in model.equations.states]
     for i, one in enumerate(names):
@@ -288,7 +302,7 @@ def _ways(found: Relaxed, errs: Sequence[bool]) -> Array:
     size = numpy.maximum(size, 1e-9 * size.max(initial=1e-300))
     push = numpy.sqrt((numpy.concatenate(pushes) ** 2).mean(axis=0))
     signs = numpy.sign(numpy.concatenate(pushes).sum(axis=0))
-    ways = numpy.diag((1e-3 * size) ** 2)
+    ways = numpy.diag((REST * size) ** 2)
     for j in numpy.flatnonzero(errs):
         share = float((push[:, j] / size).max(initial=0.0))
         if share > 0:

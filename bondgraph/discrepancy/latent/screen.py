@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy
 
@@ -18,6 +18,7 @@ from .relax import ERRORS, LOOSE, Course, Relaxed
 
 Array = numpy.ndarray
 
+LEAST_LEFT = 1e-3  # of a response, once the own parameters have done what they can
 RIDGE = 1e-12  # of columns that are alike
 
 
@@ -144,7 +145,7 @@ def sketched(found: Relaxed, probed: Probed, effects: Iterable[Effect], pairs: i
     for index, item in enumerate(singles):
         if item is not None and (item.label not in best or item.gain > best[item.label][1].gain):
             best[item.label] = index, item
-    order = sorted(best.values(), key=lambda pair: -pair[1].gain)
+    order = _without_twins(sorted(best.values(), key=lambda pair: -pair[1].gain), columns, reduced)
     seconds = [
         item
         for index, first in order[:pairs]
@@ -157,6 +158,42 @@ def sketched(found: Relaxed, probed: Probed, effects: Iterable[Effect], pairs: i
         columns,
         tuple(reduced),
     )
+
+
+def _without_twins(
+    order: Sequence[tuple[int, Hypothesis]], columns: Columns, reduced: Sequence[Reduced]
+) -> list[tuple[int, Hypothesis]]:
+    """Leave out sites that are the same place: a spring's own junction, and between its ends.
+
+    The junction is kept, and told which pair it lies between.
+    """
+    gram = reduced[-1].gram
+    kept: list[tuple[int, Hypothesis]] = []
+    for index, item in order:
+        for at, (other, known) in enumerate(kept):
+            one, two = columns.candidates[index], columns.candidates[other]
+            if one.effect is two.effect and _same(
+                gram, columns.groups[index], columns.groups[other]
+            ):
+                pair, own = sorted((one, two), key=lambda each: len(each.site.at), reverse=True)
+                if len(pair.site.at) == 2 and len(own.site.at) == 1:
+                    first = (other, known) if two is own else (index, item)
+                    named = replace(first[1].candidates[0], pair=pair.site.at)
+                    kept[at] = first[0], replace(first[1], candidates=(named,))
+                    break
+        else:
+            kept.append((index, item))
+    return kept
+
+
+def _same(gram: Array, one: Sequence[int], other: Sequence[int]) -> bool:
+    if len(one) != len(other):
+        return False
+    cosines = [
+        gram[i, j] / numpy.sqrt(gram[i, i] * gram[j, j]) if gram[i, i] * gram[j, j] > 0 else 0.0
+        for i, j in zip(one, other, strict=True)
+    ]
+    return bool(numpy.min(numpy.abs(cosines)) > 1 - 1e-6)
 
 
 def _reduced(found: Relaxed, columns: Columns, error: float) -> Reduced:
@@ -184,9 +221,13 @@ def _reduced(found: Relaxed, columns: Columns, error: float) -> Reduced:
     )
     basis = basis[:, left > 1e-10 * left.max(initial=1e-300)] if p else numpy.zeros((len(rows), 0))
     rest = rows[:, p:]
+    whole = numpy.linalg.norm(rest, axis=0)
     own = numpy.linalg.lstsq(rows[:, :p] / numpy.where(size > 0, size, 1.0), rest, rcond=1e-8)[0]
     own = own / numpy.where(size > 0, size, 1.0)[:, None]
-    return Reduced(error, rest - basis @ (basis.T @ rest), own, log_det, count)
+    cleared = rest - basis @ (basis.T @ rest)
+    # what the own parameters can do as well is none of a candidate's
+    cleared[:, :-1] *= (numpy.linalg.norm(cleared, axis=0) > LEAST_LEFT * whole)[:-1]
+    return Reduced(error, cleared, own, log_det, count)
 
 
 def _responses(

@@ -17,6 +17,8 @@ from .linear import Along
 
 Array = numpy.ndarray
 
+JITTERS = (0.0, 1e-16, 1e-15, 1e-14, 1e-13)  # of the largest diagonal entry
+
 
 @dataclass(frozen=True, eq=False)
 class Weights:
@@ -120,10 +122,7 @@ def smoothed(course: Along, h: Array, at: Array, weights: Weights, off: Array) -
     right[1:] += whiten.transpose(0, 2, 1) @ steps
     right[:-1] -= moved.transpose(0, 2, 1) @ steps
     numpy.add.at(right, at, seen.transpose(0, 2, 1) @ told)
-    try:
-        factor = cholesky_banded(band.reshape(2 * n, nt * n), lower=True, check_finite=False)
-    except LinAlgError as error:
-        raise SimulationError("the states cannot be smoothed: badly conditioned") from error
+    factor = _factor(band.reshape(2 * n, nt * n))
     moves = cho_solve_banded((factor, True), right.reshape(nt * n, -1), check_finite=False)
     moves = moves.reshape(nt, n, -1)
     left = [
@@ -136,6 +135,20 @@ def smoothed(course: Along, h: Array, at: Array, weights: Weights, off: Array) -
     moves = moves * scale[None, :, None]
     moves[..., :-1] *= -1
     return Smoothed(numpy.concatenate(left), moves, log_det, int(there.sum()))
+
+
+def _factor(band: Array) -> Array:
+    """Factorise; what nothing tells of is held where it is where rounding hides that it is free."""
+    if not numpy.isfinite(band).all():
+        raise SimulationError("the states cannot be smoothed: the model is not finite along them")
+    for share in JITTERS:
+        held = band.copy()
+        held[0] += share * band[0].max()
+        try:
+            return numpy.asarray(cholesky_banded(held, lower=True, check_finite=False))
+        except LinAlgError:
+            continue
+    raise SimulationError("the states cannot be smoothed: badly conditioned")
 
 
 def _scales(course: Along, h: Array) -> Array:

@@ -27,13 +27,14 @@ class Table:
 
     Attributes
     ----------
+    model : CompiledModel
     used : tuple of str
         Parameters of the equations that depend on the coordinates.
     start : (p,) array
     """
 
     def __init__(self, model: CompiledModel, names: tuple[str, ...], given: Mapping[str, float]):
-        self._model, self.names, self._given = model, names, dict(given)
+        self.model, self.names, self._given = model, names, dict(given)
         values = parameter_values(model.equations, self._given, model.resolver)
         symbols = {symbol.name: symbol for symbol in model.equations.graph.parameters}
         first = numpy.array([values[name] for name in names])
@@ -55,7 +56,7 @@ class Table:
 
     def resolved(self, values: Array) -> dict[str, float]:
         """Return all parameters of the table, SI."""
-        return parameter_values(self._model.equations, self.given(values), self._model.resolver)
+        return parameter_values(self.model.equations, self.given(values), self.model.resolver)
 
     def vector(self, values: Array) -> Array:
         """Return the parameters of the equations in their order."""

@@ -159,7 +159,7 @@ def screen(
     base = CompiledModel(graph)
     probes = bank(graph, effects, scales_of(base, fitted[0], parameters))
     model = CompiledModel(probes.graph)
-    own = tuple(free) if free is not None else _own(base)
+    own = tuple(free) if free is not None else own_parameters(base)
     records = [_record(item, noise or {}) for item in fitted]
     names = [probe.parameter for probe in probes.probes]
     found = best_length(
@@ -185,8 +185,8 @@ def screen(
     )
 
 
-def _own(model: CompiledModel) -> tuple[str, ...]:
-    """Parameters with a number of their own that the equations use, through others or not."""
+def own_parameters(model: CompiledModel) -> tuple[str, ...]:
+    """Return the parameters with a number of their own that the equations use, through others or not."""
     used = {symbol.name for symbol in model.equations.parameters}
     table = model.equations.graph.parameters
     derived = {

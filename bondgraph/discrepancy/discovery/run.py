@@ -1,0 +1,352 @@
+"""`discover`: recordings and a model in, what the model lacks out."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+from ...errors import MeasurementError, ParameterError
+from ...graph import BondGraph
+from ...parameters import unknown_name
+from ...simulation import CompiledModel
+from ...units import to_si
+from ...values import parameter_values
+from ..candidates import Effect
+from ..candidates.table import effects as effects_of
+from ..measurement import Measurement
+from ..screening.run import own_parameters
+from . import gaps as measured
+from .compare import delta_bic
+from .judge import ABOVE, Judgement, judged
+from .laws import learned
+from .outside import advice_for, relaxed_starts
+from .prepare import Prepared, held_out, prepared
+from .search import Found, near_noise, searched
+from .trial import Bench, Trial
+from .value import Discovery, Estimate, Explanation, NamedEffect
+from .verdict import Verdict
+from .words import unseen_words, verdict_words
+
+RIVALS = 4  # tested on held-out data beside the best
+
+
+def discover(
+    graph: BondGraph,
+    measurements: Measurement | Sequence[Measurement],
+    validation: Measurement | Sequence[Measurement] = (),
+    *,
+    free: Iterable[str] | None = None,
+    parameters: Mapping[Any, Any] | None = None,
+    effects: Iterable[str | Effect] | None = None,
+    time_budget: float = 600.0,
+    progress: Callable[[str], object] | None = None,
+) -> Discovery:
+    """Find what a model lacks, name it, add it, and show the gap shrink.
+
+    Parameters
+    ----------
+    graph : BondGraph
+        The nominal model. Its numbers may be somewhat wrong.
+    measurements : Measurement or sequence of Measurement
+        To learn from; columns are named like the model's inputs and outputs.
+    validation : Measurement or sequence of Measurement
+        To test on. Unless given, the last of several recordings is held out, or the last 30 % of
+        the only one.
+    free : iterable of str, optional
+        Parameters that may be wrong; all that have a number of their own unless given.
+    parameters : mapping, optional
+        Values of parameters that count instead of the table's, as for `bondgraph.simulate`.
+    effects : iterable of str or Effect, optional
+        Names of the table, or values; the whole table unless given.
+    time_budget : float
+        Seconds after which no more fits are begun.
+    progress : callable, optional
+        Called with a line of text at each step.
+
+    Returns
+    -------
+    Discovery
+
+    Raises
+    ------
+    BondGraphError
+        Where model, recordings and names do not go together, or the model cannot be run.
+
+    Notes
+    -----
+    A smoother that lets the model err keeps its states near the data; every effect at every site is
+    scored by what it makes likelier, with the model's own parameters free (Rao's score test in the
+    innovations of a Kalman filter). The best few are grown into the graph and fitted to runs. The best
+    one stays, and the search goes on beside it until it brings nothing. It is named where it passes
+    all of: a drop of the Bayesian information criterion with the effective number of samples above what
+    noise alone reaches; the held-out gap above the noise halved; clearly ahead of others; signs
+    that a physical element can have; what is left near the noise.
+
+    References
+    ----------
+    Rao, Large sample tests of statistical hypotheses, Proc. Cambridge Phil. Soc. 44 (1948) 50-57.
+    Trémolet, Accounting for an imperfect model in 4D-Var, Q. J. R. Meteorol. Soc. 132 (2006)
+    2483-2504.
+
+    Examples
+    --------
+    >>> import numpy, sympy
+    >>> from bondgraph import I, One, R, Se, assemble, simulate
+    >>> b, push = sympy.Symbol("b", positive=True), sympy.Symbol("push")
+    >>> def carriage(drag):
+    ...     v = One("v")
+    ...     film = R("film", effort=lambda f: b * f + drag * f * abs(f))
+    ...     return assemble("carriage", Se("motor", push) >> v >> (I("m", 1), film),
+    ...         parameters={b: 0.5}, inputs=[push], outputs={"speed": v.f})
+    >>> t = numpy.linspace(0, 20, 501)
+    >>> force = 3 * numpy.sin(t) + 2 * numpy.sin(0.37 * t)
+    >>> run = simulate(carriage(0.4), 20, inputs={"push": (t, force)}, t_eval=t)
+    >>> noisy = run["speed"] + 0.01 * numpy.random.default_rng(0).normal(size=len(t))
+    >>> found = discover(carriage(0), Measurement(t, {"push": force, "speed": noisy}))
+    >>> found.verdict.value, [effect.label for effect in found.effects]
+    ('named', ['quadratic_drag at v'])
+    """
+    began = time.monotonic()
+    tell = progress or (lambda text: None)
+    rows = [measurements] if isinstance(measurements, Measurement) else list(measurements)
+    tests = [validation] if isinstance(validation, Measurement) else list(validation)
+    if not rows:
+        raise MeasurementError("there is no measurement to learn from; give one or more")
+    warnings: list[str] = []
+    if not tests:
+        rows, tests, words = held_out(rows)
+        warnings.append(words)
+    ready = [prepared(row, graph) for row in rows]
+    held = [prepared(row, graph) for row in tests]
+    warnings += [word for _, told in (*ready, *held) for word in told]
+    bench = _bench(graph, [row for row, _ in ready], free, parameters, began + time_budget)
+    others = [row for row, _ in held]
+    signals = list(dict.fromkeys(name for row in bench.recordings for name in row.signals))
+    known = effects_of(*effects) if effects is not None else effects_of()
+    found = searched(bench, signals, known, tell)
+    tell("testing on held-out data")
+    return _told(bench, others, found, rows, tests, [*warnings, *found.warnings], began)
+
+
+def _bench(
+    graph: BondGraph,
+    recordings: Sequence[Prepared],
+    free: Iterable[str] | None,
+    parameters: Mapping[Any, Any] | None,
+    deadline: float,
+) -> Bench:
+    model = CompiledModel(graph)
+    values = parameter_values(model.equations, parameters or {}, model.resolver)
+    own = own_parameters(model)
+    for name in free or ():
+        if name not in own:
+            raise unknown_name("parameter", name, list(own))
+    chosen = tuple(own if free is None else free)
+    fixed = {getattr(key, "name", key) for key in parameters or {}}
+    given = {name: values[name] for name in values if name in {*own, *fixed}}
+    if not all(map(math.isfinite, given.values())):
+        raise ParameterError(f"a parameter of {graph.name!r} is not finite")
+    unknown = {name for row in recordings for name in row.item.free}
+    states = tuple(s.name for s in model.equations.states if s.name in unknown)
+    return Bench(graph, tuple(recordings), chosen, states, given, deadline)
+
+
+def _told(
+    bench: Bench,
+    held: Sequence[Prepared],
+    found: Found,
+    rows: Sequence[Measurement],
+    tests: Sequence[Measurement],
+    warnings: Sequence[str],
+    began: float,
+) -> Discovery:
+    """Test what was found, judge it and put it into words."""
+    base, best = found.base, found.best
+    starts = relaxed_starts(found.sketches[0].relaxed, held)
+    ordered = sorted(found.trials, key=lambda trial: -delta_bic(base, trial))
+    tested = {id(base): measured.tested(bench, base, held, starts)}
+    for trial in [best, *[t for t in ordered if t is not best][:RIVALS]]:
+        if id(trial) not in tested:
+            tested[id(trial)] = measured.tested(bench, trial, held, starts)
+    given = {
+        "train": measured.nominal(bench.graph, bench.recordings, bench.given),
+        "validation": measured.nominal(bench.graph, held, bench.given),
+    }
+    units = {name: unit for row in bench.recordings for name, unit in row.item.units.items()}
+    scale = measured.sizes([*bench.recordings, *held])
+
+    floors = measured.noises(bench.recordings, best)
+
+    def gap_of(trial: Trial) -> dict[str, Any]:
+        first, last = tested[id(base)], tested[id(trial)]
+        return {
+            "train": measured.gaps(
+                bench.recordings, given["train"], first.train, last.train, units, floors
+            ),
+            "validation": measured.gaps(
+                held, given["validation"], first.held, last.held, units, floors
+            ),
+        }
+
+    gap = gap_of(best)
+    share = measured.removed(gap["validation"], scale)
+    near = max(
+        (item.after / floors[name] for name, item in gap["train"].items() if floors[name] > 0),
+        default=math.inf,
+    )
+    above = any(
+        item.before > ABOVE * floors[name] and _sure(bench, name)
+        for name, item in gap["train"].items()
+    ) and not near_noise(base, bench)
+    said = judged(bench, base, best, found.trials, share, near, above)
+    explained = {id(best): share, id(base): 0.0}
+    ranked = tuple(
+        _explanation(base, trial, gap_share(explained, trial, tested, gap_of, scale), said)
+        for trial in [best, *(t for t in ordered if t is not best), *([base] if best.added else [])]
+    )
+    shown = best if said.verdict is not Verdict.NONE else base
+    if shown is base:
+        gap, share = gap_of(base), 0.0
+    first = next(item for item in ranked if item.label == _label(shown))
+    named = _named(base, said)
+    return Discovery(
+        graph=bench.graph,
+        verdict=said.verdict,
+        effects=named,
+        alternatives=_alternatives(ranked, named),
+        gap=gap,
+        improved=fitted(shown) if said.verdict in (Verdict.NAMED, Verdict.AMBIGUOUS) else None,
+        parameters=_own(bench, shown),
+        nominal={name: bench.given[name] for name in bench.free},
+        ranked=ranked,
+        chosen=first,
+        train=measured.courses(bench.recordings, tested[id(base)].train, tested[id(shown)].train),
+        validation=measured.courses(held, tested[id(base)].held, tested[id(shown)].held),
+        laws=learned(found.sketches[0], shown),
+        words=verdict_words(
+            bench.graph.name, said.verdict, named, said.failed, gap["validation"], share
+        ),
+        unseen=unseen_words(shown.fit),
+        advice=advice_for(bench, found, said),
+        warnings=tuple(dict.fromkeys(warnings)),
+        recordings=tuple(rows),
+        held_out=tuple(tests),
+        seconds=time.monotonic() - began,
+    )
+
+
+def gap_share(
+    known: dict[int, float],
+    trial: Trial,
+    tested: Mapping[int, Any],
+    gap_of: Callable[[Trial], dict[str, Any]],
+    scale: Mapping[str, float],
+) -> float:
+    """Return the share of the held-out gap that a trial removes; NaN where it was not tested."""
+    if id(trial) not in known:
+        known[id(trial)] = (
+            measured.removed(gap_of(trial)["validation"], scale)
+            if id(trial) in tested
+            else math.nan
+        )
+    return known[id(trial)]
+
+
+def _sure(bench: Bench, name: str) -> bool:
+    return all(row.told.get(name, True) for row in bench.recordings)
+
+
+def _label(trial: Trial) -> str:
+    return trial.label or "nothing missing"
+
+
+def _explanation(base: Trial, trial: Trial, share: float, said: Judgement) -> Explanation:
+    effects = effects_in(base, trial)
+    failed: tuple[str, ...] = ()
+    if trial is said.members[0]:
+        failed = said.failed
+    elif trial.added:
+        behind = delta_bic(trial, said.members[0])
+        failed = (f"the criterion prefers {_label(said.members[0])} by {behind:.3g}",)
+    diff = tuple(line for grafted in trial.grafts for line in grafted.diff)
+    return Explanation(effects, trial.graph, trial.fit, delta_bic(base, trial), share, failed, diff)
+
+
+def effects_in(base: Trial, trial: Trial) -> tuple[NamedEffect, ...]:
+    """Return the effects of a trial as they are reported."""
+    gain = delta_bic(base, trial) if trial.added else 0.0
+    found = []
+    for item, grafted in zip(trial.added, trial.grafts, strict=True):
+        table = {symbol.name: row for symbol, row in trial.graph.parameters.items()}
+        parameters = {}
+        for key, name in grafted.parameters.items():
+            value = trial.values.get(name, math.nan)
+            unit = str(table[name].unit or "")
+            parameters[key] = Estimate(value, trial.fit.std.get(name, math.inf), unit)
+        pair = item.site.at if len(item.site.at) == 2 else item.pair
+        between = (pair[0], pair[1]) if len(pair) == 2 else None
+        found.append(
+            NamedEffect(
+                item.effect.name,
+                grafted.name,
+                item.site.name,
+                between,
+                parameters,
+                gain,
+                item.effect.meaning,
+            )
+        )
+    return tuple(found)
+
+
+def _named(base: Trial, said: Judgement) -> tuple[NamedEffect, ...]:
+    if said.verdict is Verdict.NONE:
+        return ()
+    if said.verdict is not Verdict.AMBIGUOUS:
+        return effects_in(base, said.members[0])
+    found: dict[str, NamedEffect] = {}
+    for trial in said.members:
+        for effect in effects_in(base, trial):
+            found.setdefault(effect.label, effect)
+    return tuple(found.values())
+
+
+def _alternatives(
+    ranked: Sequence[Explanation], named: Sequence[NamedEffect]
+) -> tuple[NamedEffect, ...]:
+    known = {effect.label for effect in named}
+    found: dict[str, NamedEffect] = {}
+    for item in ranked:
+        for effect in item.effects:
+            if effect.label not in known:
+                found.setdefault(effect.label, effect)
+    return tuple(found.values())
+
+
+def _own(bench: Bench, trial: Trial) -> dict[str, Estimate]:
+    table = {symbol.name: row for symbol, row in bench.graph.parameters.items()}
+    return {
+        name: Estimate(trial.values[name], trial.fit.std.get(name, math.inf), _si(table[name].unit))
+        for name in bench.free
+    }
+
+
+def _si(unit: Any) -> str:
+    from ...units import si_unit
+
+    return si_unit(str(unit)) if unit else ""
+
+
+def fitted(trial: Trial) -> BondGraph:
+    """Return a trial's graph with the fitted values in its table, in the units that stand there."""
+    table = {}
+    for symbol, row in trial.graph.parameters.items():
+        if symbol.name in trial.values:
+            one = to_si(1.0, row.unit) - to_si(0.0, row.unit)
+            value = (trial.values[symbol.name] - to_si(0.0, row.unit)) / one
+            row = replace(row, value=row.value * 0 + value)
+        table[symbol] = row
+    return replace(trial.graph, parameters=table)
