@@ -5,10 +5,10 @@ import pytest
 import bondgraph
 
 from . import files
-from .judge import judged
 from .make import made
 from .plans import Plan, plans
-from .solvers import engine
+from .runner import ANSWERS, run
+from .score import failures, results
 
 pytestmark = pytest.mark.skipif(
     not hasattr(bondgraph, "discover"), reason="bondgraph.discover is not there"
@@ -38,14 +38,7 @@ def plan_of(machine: str, effect: str) -> Plan:
 @pytest.mark.slow
 def test_most_of_a_few_are_named_where_they_are(tmp_path):
     folders = files.write((made(plan_of(*few)) for few in FEW), tmp_path)
-    rows = [
-        judged(truth, engine(folder))
-        for truth, folder in zip(files.unsealed(tmp_path), folders, strict=True)
-    ]
-    wrong = [
-        f"{row.truth['id']} {row.truth['machine']} {row.truth['hidden']}: {row.verdict} "
-        f"{[(e['name'], e['site']) for e in row.answer['effects']]}"
-        for row in rows
-        if not row.classed
-    ]
-    assert len(wrong) <= 1, wrong
+    run(folders, tmp_path / ANSWERS, jobs=2)
+    rows = results(tmp_path, tmp_path / ANSWERS)
+    wrong = failures(rows).rows
+    assert len(rows) == len(FEW) and len(wrong) <= 1, wrong
