@@ -40,8 +40,11 @@ class Entry:
     def right(self) -> tuple[Named, ...]:
         """All answers that are right."""
         twin = TWINS.get((self.machine, self.site))
-        twins = ((self.effect, twin),) if twin and self.effect not in ONE_JUNCTION else ()
-        return ((self.effect, self.site), *twins, *self.also)
+        places = (self.site, twin) if twin and self.effect not in ONE_JUNCTION else (self.site,)
+        names = [self.effect]
+        if self.form == "stiff_bristles":  # LuGre's without an excess; and they bend as they yield
+            names += ["lugre_friction", "hysteresis"]
+        return (*((name, place) for name in names for place in places), *self.also)
 
 
 # a pair, and the 1-junction whose flow is the pair's difference

@@ -150,8 +150,10 @@ def well(row: Judged) -> bool:
         return False
     if kind == "outside":
         return row.verdict == "unnamed"
-    if kind in ("nothing", "wrong", "low"):
-        return row.verdict == "none" or (bool(row.truth["right"]) and row.classed)
+    if kind == "wrong":  # that a number in a law is wrong may well be seen, and has no name
+        return row.verdict in ("none", "unnamed") or row.classed
+    if kind in ("nothing", "low"):
+        return row.verdict == "none"
     if kind == "effect" and not row.truth["identifiable"]:
         return not row.false
     return row.named and row.classed
