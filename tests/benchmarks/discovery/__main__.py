@@ -10,6 +10,7 @@ import argparse
 import sys
 from collections.abc import Sequence
 from functools import partial
+from multiprocessing import get_context
 from pathlib import Path
 
 from rich.console import Console
@@ -84,7 +85,9 @@ def raced(
     sealed = {row["id"] for row in files.unsealed(folder)} if _has_seal(folder) else set()
     new = [plan for plan in chosen if plan.id not in sealed]
     console.print(f"{len(chosen)} cases, {len(new)} to be made, in {folder}", markup=False)
-    files.write(map(made, new), folder)
+    if new:
+        with get_context("forkserver").Pool(min(jobs, len(new))) as pool:
+            files.write(pool.imap(made, new), folder)
     known = {row["id"] for row in files.answers(told)}
     left = [folder / "cases" / plan.id for plan in chosen if plan.id not in known]
     run(left, told, solver, jobs, progress=lambda line: console.print(line, markup=False))

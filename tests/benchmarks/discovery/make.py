@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy
+from scipy.optimize import least_squares
 
 from .excite import excitation
 from .plans import Plan
@@ -29,6 +30,7 @@ SWAPS = {
 }
 FACTORS = numpy.geomspace(1 / 6, 6, 5)
 HALVINGS = 5
+STEPS = 6
 HELPERS = ("bend", "pace")  # coefficients of the truth's own forms
 
 
@@ -95,7 +97,7 @@ def strength(
     Returns
     -------
     share : greatest root mean square change over a signal's deviation
-    gain : drop of chi squared beyond the table's parameters, to first order
+    gain : drop of chi squared beyond the table's parameters, which are fitted
     """
     if not hidden:
         return 0.0, 0.0
@@ -103,7 +105,9 @@ def strength(
     gap = seen.gap(hidden)
     parts = numpy.split(gap, len(signals))
     share = max(float(numpy.sqrt(numpy.mean(part**2))) for part in parts)
-    return share, seen.left(gap) / noise**2
+    if share < 1e-6:
+        return share, 0.0
+    return share, seen.fitted(gap) / noise**2
 
 
 @dataclass(frozen=True)
@@ -134,8 +138,22 @@ class Seen:
         """Return what hidden effects change."""
         return self.stacked(self.setting.run(hidden)) - self.base
 
+    def fitted(self, gap: Array) -> float:
+        """Return the sum of squares that parameters leave, in so many steps from the truth's."""
+        own = {name: self.setting.parameters[name] for name in self.setting.plant.table}
+
+        def rest(logs: Array) -> Array:
+            moved = {
+                n: v * float(numpy.exp(x)) for (n, v), x in zip(own.items(), logs, strict=True)
+            }
+            return numpy.asarray(gap - self.stacked(self.setting.run([], **moved)) + self.base)
+
+        start = numpy.zeros(len(own))
+        found = least_squares(rest, start, bounds=(-2, 2), diff_step=1e-3, max_nfev=STEPS)
+        return min(2 * float(found.cost), float(gap @ gap))
+
     def left(self, gap: Array, *more: Array) -> float:
-        """Return the sum of squares beyond parameters, and beyond other changes."""
+        """Return the sum of squares beyond parameters, to first order, and beyond other changes."""
         matrix = numpy.column_stack([self.slopes, *more])
         rest = gap - matrix @ numpy.linalg.lstsq(matrix, gap, rcond=None)[0]
         return float(rest @ rest)
