@@ -48,12 +48,12 @@ def report(
 def counted(rows: Sequence[Judged], theirs: Mapping[str, Mapping[str, Any]]) -> Report:
     """Return right names by noise: an effect at its site here, a term in its equation there."""
     groups: dict[str, list[tuple[bool, bool]]] = {}
-    for row in rows:
+    for row in sorted(rows, key=lambda row: row.truth["noise"]):
         both = (row.named and row.placed, hit(row.truth, theirs.get(row.truth["id"], {})))
         for name in (f"{row.truth['noise']:.1%}", "all"):
             groups.setdefault(name, []).append(both)
     cells, share = [], (float("nan"), float("nan"))
-    for name, group in sorted(groups.items(), key=lambda item: (item[0] == "all", item[0])):
+    for name, group in sorted(groups.items(), key=lambda item: item[0] == "all"):
         ours, others = (sum(each) for each in zip(*group, strict=True))
         cells.append([name, str(len(group)), str(ours), str(others)])
         if name == "all":
