@@ -1,6 +1,6 @@
 # make demo   install into .venv and write the brake's stability report into out/
 # make test   install with test extras; lint, types, import contracts, tests
-# make bench  the races of tests/benchmarks
+# make bench  the races of tests/benchmarks; bench-discovery: discover on sealed cases
 
 PYTHON ?= $(shell for p in python3.11 python3 python3.12 python3.13 python3.14; do \
 	$$p -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null && echo $$p && break; done)
@@ -14,7 +14,7 @@ ARGS ?=
 unexport PYTHONDONTWRITEBYTECODE
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test lint types imports pytest format bench clean distclean
+.PHONY: help demo test lint types imports pytest format bench bench-discovery clean distclean
 
 help:
 	@sed -n 's/^# //p' Makefile | head -3
@@ -45,6 +45,9 @@ format: $(VENV)/.test
 
 bench: $(VENV)/.test
 	$(BIN)/python -m tests.benchmarks $(ARGS)
+
+bench-discovery: $(VENV)/.test
+	$(BIN)/python -m tests.benchmarks discovery --jobs $(JOBS) $(ARGS)
 
 # The tree as it is once installed, for tools that cannot follow setuptools' package-dir mapping.
 .PHONY: build/types
