@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -17,7 +18,7 @@ from ..latent.relax import LONGEST, Relaxed, relaxed
 from ..latent.screen import Hypothesis, Sketch, sketched
 from .compare import delta_bic
 from .gaps import sizes
-from .trial import Added, Bench, Trial, tried
+from .trial import Added, Bench, Draft, Trial, drafted, fitted_from, tried
 
 Array = numpy.ndarray
 Tell = Callable[[str], object]
@@ -25,7 +26,9 @@ Tell = Callable[[str], object]
 MOST = 3  # effects
 LOST = 0.8  # of a signal's deviation
 PROMISE = 0.7  # of what a refit has to bring, to be worth one
-SINGLES, PAIRS = 6, 2  # refitted in each round
+SINGLES, PAIRS = 10, 6  # eased in each round
+FIRST, FITTED = 2, 4  # of them fitted by runs: the first of the sketch, the best eased ones
+HOPELESS = 50.0  # behind one that reaches the noise, by twice the logarithm of the likelihood
 SHORTEST, TIMES = 4.0, 8.0  # a fit may take so many seconds, or times as long as the base
 WORTH = 10.0  # drop of the criterion that an effect has to bring: odds of 150 to 1
 
@@ -206,14 +209,49 @@ def _refitted(
     known: Sequence[Trial],
     tell: Tell,
 ) -> list[Trial]:
-    """Refit the best hypotheses of a sketch, beside what is in the graph already."""
+    """Refit the best hypotheses of a sketch, beside what is in the graph already.
+
+    Easing a fit in takes little and tells which hypotheses are worth a fit by runs.
+    """
+    drafts = _drafts(bench, current, base, sketch, limit, known, tell)
+    first = [draft.label for draft in drafts[:FIRST]]
+    drafts.sort(key=lambda draft: draft.likelihood)
+    trials: list[Trial] = []
+    reached = math.inf
+    for place, draft in enumerate(drafts):
+        if draft.likelihood > reached + HOPELESS and math.isfinite(draft.likelihood):
+            continue
+        if place >= FITTED and draft.label not in first:
+            continue
+        tell(f"fitting {draft.label}")
+        trial = fitted_from(bench, draft)
+        if isinstance(trial, Trial):
+            trials.append(trial)
+            if near_noise(trial, bench):
+                reached = min(reached, draft.likelihood)
+    return trials
+
+
+def _drafts(
+    bench: Bench,
+    current: Trial,
+    base: Trial,
+    sketch: Sketch,
+    limit: float,
+    known: Sequence[Trial],
+    tell: Tell,
+) -> list[Draft]:
+    """Return what a sketch says is worth a try, beside what is in the graph already."""
     done = {trial.label for trial in known}
-    trials = []
     worth = [item for item in sketch.singles if item.gain > PROMISE * max(limit, WORTH)]
+    if not near_noise(current, bench):
+        # something is left: the best are tried, whatever they promise
+        worth = worth or [item for item in sketch.singles if item.gain > 0][:FITTED]
     wanted = worth[:SINGLES]
     alone = wanted[0].gain if wanted else 0.0
     room = MOST - len(current.added)
     twos = [item for item in sketch.pairs if item.gain > alone + WORTH and room > 1]
+    drafts = []
     for item in [*wanted, *twos[:PAIRS]]:
         added = (*current.added, *(_added(item, i) for i in range(len(item.candidates))))
         added = tuple({each.label: each for each in added}.values())
@@ -221,13 +259,12 @@ def _refitted(
         if label in done or len(added) <= len(current.added):
             continue
         done.add(label)
-        tell(f"fitting {label}")
+        tell(f"trying {label}")
         own = [_own(sketch, item), current.values, base.values]
-        kept = _kept(current, added)
-        trial = tried(bench, kept, own)
-        if isinstance(trial, Trial):
-            trials.append(trial)
-    return trials
+        draft = drafted(bench, _kept(current, added), own)
+        if isinstance(draft, Draft):
+            drafts.append(draft)
+    return drafts
 
 
 def _kept(current: Trial, added: Sequence[Added]) -> tuple[Added, ...]:

@@ -94,9 +94,9 @@ class Trial:
     def strain(self) -> float:
         """How far own parameters are from what was given, in squares of what is likely."""
         return sum(
-            (math.log(self.fit.values[name] / given) / LOOSE) ** 2
+            (min(abs(math.log(share)), abs(share - 1)) / LOOSE) ** 2
             for name, given in self.given.items()
-            if name in self.fit.values and given and self.fit.values[name] / given > 0
+            if given and (share := self.fit.values.get(name, given) / given) > 0
         )
 
     @property
@@ -145,6 +145,39 @@ class Bench:
         return max(self.deadline - time.monotonic(), 1.0)
 
 
+@dataclass(frozen=True, eq=False)
+class Draft:
+    """Effects grown into the graph, and where a fit may start.
+
+    Attributes
+    ----------
+    added : tuple of Added
+    grafts : tuple of Grafted
+    graph : BondGraph
+    model : CompiledModel
+    starts : tuple of mapping of str to float
+        Parameters, the best guess first.
+    begins : tuple of mapping of str to float
+        Start states by recording.
+    likelihood : float
+        Twice the negative logarithm where the model hardly errs, to compare drafts by; infinite
+        where that did not come to an end.
+    """
+
+    added: tuple[Added, ...]
+    grafts: tuple[Grafted, ...]
+    graph: BondGraph
+    model: CompiledModel
+    starts: tuple[Mapping[str, float], ...]
+    begins: tuple[Mapping[str, float], ...]
+    likelihood: float = math.inf
+
+    @property
+    def label(self) -> str:
+        """Effects and sites, in one order."""
+        return " + ".join(sorted(item.label for item in self.added))
+
+
 def tried(
     bench: Bench,
     added: Sequence[Added],
@@ -166,22 +199,67 @@ def tried(
         Of the fit.
     segments : as for `fit`
     """
+    draft = drafted(bench, added, own)
+    if isinstance(draft, BondGraphError):
+        return draft
+    return fitted_from(bench, draft, steps=steps, segments=segments)
+
+
+def drafted(
+    bench: Bench, added: Sequence[Added], own: Sequence[Mapping[str, float]]
+) -> Draft | BondGraphError:
+    """Grow effects into the graph and ease a fit in; what goes wrong is an answer."""
     try:
         graph, grafts = grown(bench.graph, added)
         model = CompiledModel(graph)
-        new = {
-            graft_.parameters[key]: float(value)
-            for graft_, item in zip(grafts, added, strict=True)
-            for key, value in item.starts.items()
-        }
+    except BondGraphError as error:
+        return error
+    new = {
+        graft_.parameters[key]: float(value)
+        for graft_, item in zip(grafts, added, strict=True)
+        for key, value in item.starts.items()
+    }
+    starts = tuple({**bench.given, **each, **new} for each in own)
+    plain = Draft(tuple(added), grafts, graph, model, starts, bench.starts)
+    return _eased(bench, plain) if bench.ways and added else plain
+
+
+def _eased(bench: Bench, draft: Draft) -> Draft:
+    """Add where a fit comes to that lets the model err less and less; nothing where it fails."""
+    signals = list(dict.fromkeys(name for row in bench.recordings for name in row.signals))
+    free = [*bench.free, *(name for item in draft.grafts for name in item.parameters.values())]
+    try:
+        with numpy.errstate(all="ignore"):
+            found = eased(
+                draft.model,
+                [
+                    replace(row.record(signals), guess=guess)
+                    for row, guess in zip(bench.recordings, bench.starts, strict=True)
+                ],
+                signals,
+                free,
+                draft.starts[0],
+                bench.ways,
+            )
+            values = found.table.given(found.values)
+    except (BondGraphError, ValueError, numpy.linalg.LinAlgError):
+        return draft
+    if not all(map(math.isfinite, values.values())):
+        return draft
+    return replace(draft, starts=(values, *draft.starts), likelihood=found.likelihood)
+
+
+def fitted_from(
+    bench: Bench, draft: Draft, *, steps: int = STEPS, segments: Any = None
+) -> Trial | BondGraphError:
+    """Fit a draft to the recordings by its runs; what goes wrong is an answer."""
+    model, grafts = draft.model, draft.grafts
+    try:
         rows = tuple(
             _started(recording.plain, start, grafts, bench.states)
-            for recording, start in zip(bench.recordings, bench.starts, strict=True)
+            for recording, start in zip(bench.recordings, draft.begins, strict=True)
         )
-        own = [{**bench.given, **each, **new} for each in own]
-        if bench.ways and added:
-            own = [*_eased(bench, model, grafts, own[0]), *own]
-        start = _nearest(model, rows, bench, own)
+        start = _nearest(model, rows, bench, draft.starts)
         free = [*bench.free, *(name for item in grafts for name in item.parameters.values())]
         free += [name for name in bench.states if name in _states(model)]
         found = fit(
@@ -196,31 +274,9 @@ def tried(
             max_iterations=steps,
             time_budget=min(bench.left, bench.seconds),
         )
-        return trial_of(tuple(added), grafts, graph, model, found, rows, bench.given)
+        return trial_of(draft.added, grafts, draft.graph, model, found, rows, bench.given)
     except BondGraphError as error:
         return error
-
-
-def _eased(
-    bench: Bench, model: CompiledModel, grafts: Sequence[Grafted], start: Mapping[str, float]
-) -> list[dict[str, float]]:
-    """Return where a fit that lets the model err less and less comes to; nothing where it fails."""
-    signals = list(dict.fromkeys(name for row in bench.recordings for name in row.signals))
-    free = [*bench.free, *(name for item in grafts for name in item.parameters.values())]
-    try:
-        with numpy.errstate(all="ignore"):
-            found = eased(
-                model,
-                [row.record(signals) for row in bench.recordings],
-                signals,
-                free,
-                start,
-                bench.ways,
-            )
-            values = found.table.given(found.values)
-    except (BondGraphError, ValueError, numpy.linalg.LinAlgError):
-        return []
-    return [values] if all(map(math.isfinite, values.values())) else []
 
 
 def trial_of(
