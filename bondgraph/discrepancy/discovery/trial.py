@@ -88,7 +88,7 @@ class Trial:
     @property
     def terms(self) -> int:
         """Coefficients that the effects brought."""
-        return sum(len(item.effect.coefficients) for item in self.added)
+        return sum(len(item.effect.fitted) for item in self.added)
 
     @property
     def strain(self) -> float:
@@ -112,6 +112,8 @@ class Bench:
     Attributes
     ----------
     graph : BondGraph
+    model : CompiledModel
+        Of the graph.
     recordings : tuple of Prepared
     free : tuple of str
         Own parameters.
@@ -130,6 +132,7 @@ class Bench:
     """
 
     graph: BondGraph
+    model: CompiledModel
     recordings: tuple[Prepared, ...]
     free: tuple[str, ...]
     states: tuple[str, ...]
@@ -176,6 +179,11 @@ class Draft:
     def label(self) -> str:
         """Effects and sites, in one order."""
         return " + ".join(sorted(item.label for item in self.added))
+
+    @property
+    def terms(self) -> int:
+        """Coefficients that the effects brought."""
+        return sum(len(item.effect.fitted) for item in self.added)
 
 
 def tried(
@@ -227,7 +235,7 @@ def drafted(
 def _eased(bench: Bench, draft: Draft) -> Draft:
     """Add where a fit comes to that lets the model err less and less; nothing where it fails."""
     signals = list(dict.fromkeys(name for row in bench.recordings for name in row.signals))
-    free = [*bench.free, *(name for item in draft.grafts for name in item.parameters.values())]
+    free = [*bench.free, *_fitted(draft.grafts)]
     try:
         with numpy.errstate(all="ignore"):
             found = eased(
@@ -260,21 +268,21 @@ def fitted_from(
             for recording, start in zip(bench.recordings, draft.begins, strict=True)
         )
         start = _nearest(model, rows, bench, draft.starts)
-        free = [*bench.free, *(name for item in grafts for name in item.parameters.values())]
-        free += [name for name in bench.states if name in _states(model)]
+        ties = _ties(grafts, model, start)
+        free = [*bench.free, *_fitted(grafts), *_open(bench, model, ties)]
         found = fit(
             model,
             rows,
             free,
             parameters=start,
             priors=_priors(bench),
-            ties=_ties(grafts, model, start),
+            ties=ties,
             segments=segments,
             loss="linear",
             max_iterations=steps,
             time_budget=min(bench.left, bench.seconds),
         )
-        return trial_of(draft.added, grafts, draft.graph, model, found, rows, bench.given)
+        return trial_of(draft.added, grafts, draft.graph, model, found, rows, bench.given, ties)
     except BondGraphError as error:
         return error
 
@@ -287,6 +295,7 @@ def trial_of(
     found: Fit,
     rows: tuple[Measurement, ...],
     given: Mapping[str, float],
+    ties: Mapping[str, Mapping[str, float]],
 ) -> Trial | BondGraphError:
     """Return a fit with what comparisons need."""
     squares: dict[str, float] = {}
@@ -302,7 +311,7 @@ def trial_of(
     if not squares or not all(math.isfinite(value) for value in squares.values()):
         return BondGraphError(f"the fit did not run: {found.advice}")
     begun = tuple(
-        row.changed(initial={**row.initial, **found.initial[i]}) if found.initial else row
+        row.changed(initial=_begun(row.initial, found.initial[i] if found.initial else {}, ties))
         for i, row in enumerate(rows)
     )
     return Trial(added, grafts, graph, model, found, begun, squares, counts, effective, given)
@@ -329,6 +338,39 @@ def _ties(
         known = {key: value for key, value in parameters.items() if key in _names(item.graph)}
         found |= item.ties([name for name in states if name not in new], known)
     return found
+
+
+def _begun(
+    initial: Mapping[str, float],
+    found: Mapping[str, float],
+    ties: Mapping[str, Mapping[str, float]],
+) -> dict[str, float]:
+    """Return where a recording begins, with what a fit found and what follows from it."""
+    known = {**initial, **found}
+    following = {
+        name: sum(factor * known.get(other, 0.0) for other, factor in shares.items())
+        for name, shares in ties.items()
+    }
+    return known | following
+
+
+def _fitted(grafts: Sequence[Grafted]) -> list[str]:
+    """Return the parameters of effects that data tell."""
+    return [
+        name
+        for item in grafts
+        for key, name in item.parameters.items()
+        if key in item.effect.fitted
+    ]
+
+
+def _open(bench: Bench, model: CompiledModel, ties: Mapping[str, Mapping[str, float]]) -> list[str]:
+    """Return the states whose start is sought: those not known, and new ones that follow none."""
+    before = {state.name for state in bench.model.equations.states}
+    names = [state.name for state in model.equations.states]
+    return [
+        name for name in names if name in bench.states or (name not in before and name not in ties)
+    ]
 
 
 def _names(graph: BondGraph) -> set[str]:
@@ -444,11 +486,13 @@ def again(
         Start states by recording.
     """
     found = []
-    states = [name for name in bench.states if name in _states(trial.model)]
     parameters = {**bench.given, **trial.values}
+    ties = _ties(trial.grafts, trial.model, parameters)
+    states = _open(bench, trial.model, ties)
+    before = {state.name for state in bench.model.equations.states}
     for recording, start in zip(recordings, starts, strict=True):
         row = _started(recording.plain, start, trial.grafts, bench.states)
-        open_ = [name for name in states if name in recording.item.free]
+        open_ = [name for name in states if name in recording.item.free or name not in before]
         if not open_:
             found.append(dict(row.initial))
             continue
@@ -458,11 +502,12 @@ def again(
                 row,
                 open_,
                 parameters=parameters,
+                ties=ties,
                 segments=None,
                 max_iterations=STEPS,
                 time_budget=bench.left,
             )
-            found.append({**row.initial, **begun.initial[0]})
+            found.append(_begun(row.initial, begun.initial[0], ties))
         except BondGraphError:
             found.append(dict(row.initial))
     return found

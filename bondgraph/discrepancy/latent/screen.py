@@ -326,7 +326,7 @@ def _hypothesis(
         at += len(columns.groups[one])
     if not all(numpy.any(part) for part in parts):
         return None
-    terms = sum(len(columns.candidates[one].effect.coefficients) for one in chosen)
+    terms = sum(len(columns.candidates[one].effect.fitted) for one in chosen)
     gain = base - likelihood - terms * float(numpy.log(item.count))
     found = tuple(columns.candidates[one] for one in chosen)
     own = item.own[:, -1] - item.own[:, where] @ amounts
