@@ -211,6 +211,7 @@ def _yielding(share: float) -> Shape:
             ),
         ),
         lambda a, s: {"level": a[0], "width": share * s.stroke},
+        turning=True,
     )
 
 

@@ -92,12 +92,17 @@ class Trial:
 
     @property
     def strain(self) -> float:
-        """How far own parameters are from what was given, in squares of what is likely."""
-        return sum(
-            (min(abs(math.log(share)), abs(share - 1)) / LOOSE) ** 2
-            for name, given in self.given.items()
-            if given and (share := self.fit.values.get(name, given) / given) > 0
-        )
+        """How far own parameters are from what was given, in squares of what is likely.
+
+        An element may turn out not to be there at all: zero is not infinitely far.
+        """
+        total = 0.0
+        for name, given in self.given.items():
+            if name in self.fit.values and given:
+                ratio = self.fit.values[name] / given
+                off = abs(ratio - 1)
+                total += (min(off, abs(math.log(ratio))) if ratio > 0 else off) ** 2
+        return total / LOOSE**2
 
     @property
     def values(self) -> dict[str, float]:

@@ -146,17 +146,12 @@ def sketched(found: Relaxed, probed: Probed, effects: Iterable[Effect], pairs: i
         if item is not None and (item.label not in best or item.gain > best[item.label][1].gain):
             best[item.label] = index, item
     order = _without_twins(sorted(best.values(), key=lambda pair: -pair[1].gain), columns, reduced)
-    labels = {item.label for _, item in order}
-    # what is of no use alone may be beside another
-    others = [
-        index
-        for index, candidate in enumerate(columns.candidates)
-        if candidate.label in labels or candidate.label not in best
-    ]
+    # what is of the wrong sign alone may be of the right one beside another
+    beside = [i for i, _ in order] + [i for i, item in enumerate(singles) if item is None]
     seconds = [
         item
         for index, first in order[:pairs]
-        for item in _with_second(reduced, columns, index, others, base)
+        for item in _with_second(reduced, columns, index, beside, base)
     ]
     return Sketch(
         tuple(item for _, item in order),
