@@ -14,7 +14,7 @@ from ...simulation import CompiledModel
 from ..candidates import Effect
 from ..latent.null import threshold
 from ..latent.probes import probed
-from ..latent.relax import LONGEST, Relaxed, relaxed
+from ..latent.relax import LONGEST, ROUNDS, Relaxed, relaxed
 from ..latent.screen import Hypothesis, Sketch, sketched
 from .compare import delta_bic, preference
 from .gaps import sizes
@@ -29,6 +29,7 @@ LOST = 0.8  # of a signal's deviation
 PROMISE = 0.7  # of what a refit has to bring, to be worth one
 SETTLED = 150  # steps of the last fit
 SINGLES, PAIRS, HIDDEN = 10, 4, 3  # eased in each round
+ALONG = 3  # of the best along runs
 FIRST, FITTED = 2, 4  # of them fitted by runs: the first of the sketch, the best eased ones
 HOPELESS = 50.0  # behind one that reaches the noise, by twice the logarithm of the likelihood
 SHORTEST, TIMES = 8.0, 8.0  # a fit may take so many seconds, or times as long as the base
@@ -113,7 +114,11 @@ def searched(bench: Bench, signals: Sequence[str], effects: Sequence[Effect], te
         limit = threshold(sketch)
         sketches.append(sketch)
         limits.append(limit)
-        fresh = _refitted(bench, current, base, sketch, limit, trials, tell)
+        runs = None
+        if not current.added and not near_noise(base, bench):
+            tell("screening along the model's own runs")
+            runs = _along_runs(bench, base, signals, effects)
+        fresh = _refitted(bench, current, base, sketch, runs, limit, trials, tell)
         trials += fresh
         better = max(fresh, key=lambda trial: preference(current, trial), default=None)
         if better is None or delta_bic(current, better) < max(WORTH, limit):
@@ -138,6 +143,22 @@ def searched(bench: Bench, signals: Sequence[str], effects: Sequence[Effect], te
     return Found(
         bench, base, tuple(trials), current, tuple(sketches), tuple(limits), tuple(warnings)
     )
+
+
+def _along_runs(
+    bench: Bench, base: Trial, signals: Sequence[str], effects: Sequence[Effect]
+) -> Sketch | None:
+    """Screen along runs of the model by itself: Rao's score test; None where it does not run.
+
+    What only a sensor shows, such as the slip of a wheel that winds up, no error of the model's
+    states can follow, and a smoother goes astray over it.
+    """
+    try:
+        guesses = [row.initial for row in base.measurements]
+        found = _sketched(bench, bench.graph, signals, effects, base.values, guesses, rounds=0)
+    except BondGraphError:
+        return None
+    return replace(found, singles=found.singles[:ALONG], pairs=())
 
 
 def _lost(trial: Trial, bench: Bench) -> bool:
@@ -173,6 +194,7 @@ def _sketched(
     effects: Sequence[Effect],
     values: dict[str, float],
     guesses: Sequence[Mapping[str, float]] = (),
+    rounds: int = ROUNDS,
 ) -> Sketch:
     probes = probed(graph, effects)
     model = CompiledModel(probes.graph)
@@ -195,6 +217,7 @@ def _sketched(
         [probe.errs for probe in probes.probes],
         {**bench.given, **values},
         CompiledModel(graph),
+        rounds,
     )
     return sketched(found, probes, effects)
 
@@ -223,6 +246,7 @@ def _refitted(
     current: Trial,
     base: Trial,
     sketch: Sketch,
+    runs: Sketch | None,
     limit: float,
     known: Sequence[Trial],
     tell: Tell,
@@ -233,6 +257,10 @@ def _refitted(
     """
     drafts = _drafts(bench, current, base, sketch, limit, known, tell)
     first = [draft.label for draft in drafts[:FIRST]]
+    if runs is not None:
+        along = _drafts(bench, current, base, runs, limit, known, tell)
+        first += [draft.label for draft in along]
+        drafts = [draft for draft in drafts if draft.label not in first[FIRST:]] + along
     drafts.sort(key=lambda draft: draft.likelihood)
     trials: list[Trial] = []
     reached, terms = math.inf, 0

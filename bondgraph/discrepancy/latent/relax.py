@@ -152,6 +152,7 @@ def relaxed(
     errs: Sequence[bool],
     parameters: Mapping[str, float] | None = None,
     runs: CompiledModel | None = None,
+    rounds: int = ROUNDS,
 ) -> Relaxed:
     """Follow recordings with a model that may err at some sites, its own parameters free.
 
@@ -169,6 +170,8 @@ def relaxed(
         Values to start from.
     runs : CompiledModel, optional
         The model without probes, whose run is the first course.
+    rounds : int
+        How often courses are moved at most; with 0 they are the model's own runs, and it errs least.
 
     Returns
     -------
@@ -186,8 +189,8 @@ def relaxed(
     )
     found = Relaxed(functions, table, table.start, courses, 1.0, numpy.eye(1), numpy.inf)
     found = replace(found, ways=_ways(found, errs))
-    best = found
-    for number in range(ROUNDS):
+    best = found if rounds else replace(found, error=ERRORS[0])
+    for number in range(rounds):
         errors = (1.0, 0.1) if number == 0 else ERRORS
         found = _stepped(found, errors, moving=False)
         better = found.likelihood < best.likelihood - 1e-3 * abs(best.likelihood)
