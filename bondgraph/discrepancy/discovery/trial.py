@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy
 
-from ...errors import BondGraphError
+from ...errors import BondGraphError, SimulationError
 from ...graph import BondGraph
 from ...simulation import CompiledModel, simulate
 from ..candidates import Effect
@@ -18,11 +18,13 @@ from ..fitting import Fit, fit
 from ..grafting import Grafted, Site, graft
 from ..latent.relax import eased
 from ..measurement import Measurement
+from .horizon import grown_horizon
 from .prepare import Prepared
 
 Array = numpy.ndarray
 
 STEPS = 40
+FAR = 0.05  # of signals' variances
 LOOSE = 0.4  # standard deviation of the logarithm of own parameters about what was given
 
 
@@ -230,6 +232,8 @@ def drafted(
         model = CompiledModel(graph)
     except BondGraphError as error:
         return error
+    if model.equations.algebraic:
+        return SimulationError("it leaves efforts and flows that follow from each other at once")
     new = {
         graft_.parameters[key]: float(value)
         for graft_, item in zip(grafts, added, strict=True)
@@ -288,6 +292,11 @@ def fitted_from(
             start, _ = _nearest(model, rows, bench, draft.starts)
         ties = _ties(grafts, model, start)
         free = [*bench.free, *_fitted(grafts), *_open(bench, model, ties)]
+        if draft.added and _far(model, rows, bench, start):
+            told = {"priors": _priors(bench), "ties": ties}
+            seconds = min(bench.left, bench.seconds)
+            near = grown_horizon(model, rows, free, draft.starts[-1], seconds, **told)
+            start = _nearest(model, rows, bench, [start, *([near] if near else [])])
         found = fit(
             model,
             rows,
@@ -431,6 +440,20 @@ def _nearest(
         if off < nearest:
             best, nearest = dict(each), off
     return best, nearest
+
+
+def _far(
+    model: CompiledModel, rows: Sequence[Measurement], bench: Bench, start: Mapping[str, float]
+) -> bool:
+    """Whether a run is so far from the data that a fit may not find its way."""
+    count, off = 0, 0.0
+    for prepared, row in zip(bench.recordings, rows, strict=True):
+        count += sum(int(numpy.isfinite(prepared.plain.columns[n]).sum()) for n in prepared.signals)
+        try:
+            off += misfit(model, prepared, row, start, bench.seconds / 4)
+        except BondGraphError:
+            return True
+    return not off < FAR * count
 
 
 def misfit(
