@@ -172,6 +172,8 @@ class Draft:
     likelihood : float
         Twice the negative logarithm where the model hardly errs, to compare drafts by; infinite
         where that did not come to an end.
+    off : float
+        How far the run from the best start is from the data, see `misfit`.
     """
 
     added: tuple[Added, ...]
@@ -181,6 +183,7 @@ class Draft:
     starts: tuple[Mapping[str, float], ...]
     begins: tuple[Mapping[str, float], ...]
     likelihood: float = math.inf
+    off: float = math.inf
 
     @property
     def label(self) -> str:
@@ -238,7 +241,15 @@ def drafted(
     }
     starts = tuple({**bench.given, **each, **new} for each in own)
     plain = Draft(tuple(added), grafts, graph, model, starts, bench.starts)
-    return _eased(bench, plain) if bench.ways and added else plain
+    if not (bench.ways and added):
+        return plain
+    draft = _eased(bench, plain)
+    rows = tuple(
+        _started(recording.plain, start, grafts, bench.states)
+        for recording, start in zip(bench.recordings, draft.begins, strict=True)
+    )
+    start, off = _nearest(model, rows, bench, draft.starts)
+    return replace(draft, starts=(start,), off=off)
 
 
 def _eased(bench: Bench, draft: Draft) -> Draft:
@@ -276,7 +287,9 @@ def fitted_from(
             _started(recording.plain, start, grafts, bench.states)
             for recording, start in zip(bench.recordings, draft.begins, strict=True)
         )
-        start = _nearest(model, rows, bench, draft.starts)
+        start = draft.starts[0]
+        if len(draft.starts) > 1:
+            start, _ = _nearest(model, rows, bench, draft.starts)
         ties = _ties(grafts, model, start)
         free = [*bench.free, *_fitted(grafts), *_open(bench, model, ties)]
         if draft.added and _far(model, rows, bench, start):
@@ -413,10 +426,8 @@ def _nearest(
     rows: Sequence[Measurement],
     bench: Bench,
     starts: Sequence[Mapping[str, float]],
-) -> dict[str, float]:
-    """Return the parameters whose run is nearest to the data."""
-    if len(starts) == 1:
-        return dict(starts[0])
+) -> tuple[dict[str, float], float]:
+    """Return the parameters whose run is nearest to the data, and how far it is."""
     best, nearest = dict(starts[0]), math.inf
     for each in starts:
         try:
@@ -428,7 +439,7 @@ def _nearest(
             continue
         if off < nearest:
             best, nearest = dict(each), off
-    return best
+    return best, nearest
 
 
 def _far(

@@ -171,7 +171,7 @@ def relaxed(
     runs : CompiledModel, optional
         The model without probes, whose run is the first course.
     rounds : int
-        How often courses are moved at most; with 0 they are the model's own runs, and it errs least.
+        Of smoothing; with none the courses are the model's own runs, and it hardly errs.
 
     Returns
     -------
@@ -189,7 +189,9 @@ def relaxed(
     )
     found = Relaxed(functions, table, table.start, courses, 1.0, numpy.eye(1), numpy.inf)
     found = replace(found, ways=_ways(found, errs))
-    best = found if rounds else replace(found, error=ERRORS[0])
+    best = found
+    if not rounds:
+        return replace(found, error=ERRORS[0])
     for number in range(rounds):
         errors = (1.0, 0.1) if number == 0 else ERRORS
         found = _stepped(found, errors, moving=False)
