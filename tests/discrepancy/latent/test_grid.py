@@ -1,5 +1,7 @@
 """Grids: the samples' times stay, and inputs are known on both sides of their steps."""
 
+import itertools
+
 import numpy
 import pytest
 
@@ -20,7 +22,7 @@ def test_samples_are_on_the_grid_and_steps_no_longer_than_wanted(step):
     assert (numpy.diff(grid.t) > 0).all()
     cuts = numpy.diff(grid.samples)
     assert cuts.max() <= FINEST
-    widths = [numpy.diff(grid.t[a : b + 1]) for a, b in zip(grid.samples, grid.samples[1:])]
+    widths = [numpy.diff(grid.t[a : b + 1]) for a, b in itertools.pairwise(grid.samples)]
     assert all(numpy.ptp(part) < 1e-12 for part in widths)
     full = cuts == FINEST
     assert all(part.max() <= step * 1.001 or at for part, at in zip(widths, full, strict=True))

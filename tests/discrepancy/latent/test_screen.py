@@ -1,6 +1,5 @@
 """The true effect comes first, or among those that are hardly behind it, in noisy recordings."""
 
-import numpy
 import pytest
 
 from bondgraph.discrepancy.candidates import effects
@@ -17,7 +16,7 @@ CASES = [
     ("mass_spring", "cubic_stiffness", "carriage", {"cubic": 3e5}),
     ("two_mass_chain", "quadratic_drag", "second", {"drag": 20.0}),
     ("two_mass_chain", "coulomb_friction", "between first and second", {"level": 1.0}),
-    ("dc_motor", "coulomb_friction", "wheel", {"level": 0.02}),
+    ("thermal_brake", "quadratic_drag", "wheel", {"drag": 0.3}),
     ("quarter_car", "cubic_stiffness", "suspension", {"cubic": 1e7}),
     ("two_tanks", "orifice_flow", "second", {"orifice": 4e-6}),
     ("hydraulic_cylinder", "coulomb_friction", "rod", {"level": 500.0}),
@@ -50,9 +49,11 @@ def _sketch(machine, graph):
 )
 def test_the_true_effect_is_among_the_first(machine, name, site, values):
     sketch = _sketch(machine, graft(MACHINES[machine](), name, site, parameters=values).graph)
-    labels = [item.label for item in sketch.singles[:3]]
-    print([(i.label, round(i.gain, 1)) for i in sketch.singles[:4]], threshold(sketch))
-    assert f"{name} at {site}" in labels
+    first = [item.candidates[0] for item in sketch.singles[:3]]
+    places = {item.site.name for item in first} | {
+        f"between {' and '.join(item.pair)}" for item in first if item.pair
+    }
+    assert name in {item.effect.name for item in first} and site in places
     assert sketch.singles[0].gain > threshold(sketch)
 
 
@@ -60,6 +61,5 @@ def test_nothing_missing_gains_no_more_than_noise_does():
     gains = []
     for machine in ("mass_spring", "rlc", "two_tanks"):
         sketch = _sketch(machine, MACHINES[machine]())
-        print(machine, sketch.singles[0].label, sketch.singles[0].gain, threshold(sketch))
         gains.append(sketch.singles[0].gain - threshold(sketch))
-    assert numpy.max(gains) < 10
+    assert max(gains) < 0
