@@ -164,6 +164,20 @@ def stop(displacement: Array, width: float) -> Array:
     return elongation
 
 
+def turned(displacement: Array, share: float = 0.02) -> bool:
+    """Return whether a displacement goes both up and down by a share of its range.
+
+    Examples
+    --------
+    >>> turned(numpy.array([0.0, 1.0, 3.0])), turned(numpy.array([0.0, 3.0, 2.0]))
+    (False, True)
+    """
+    up = displacement - numpy.minimum.accumulate(displacement)
+    down = numpy.maximum.accumulate(displacement) - displacement
+    far = share * float(numpy.ptp(displacement))
+    return bool(min(up.max(initial=0.0), down.max(initial=0.0)) > far)
+
+
 def play(displacement: Array, width: float) -> Array:
     """Return the play operator: what is left of a displacement behind a slack of twice the width.
 
@@ -226,6 +240,9 @@ class Shape:
         ``starts(amounts, signals)``: coefficients by name, where a fit begins.
     signed : bool
         Whether amounts below zero are physical.
+    turning : bool
+        Whether it is told from other effects only where the displacement turns back: what yields
+        is then let go, while before it is as a spring that softens.
 
     Examples
     --------
@@ -237,6 +254,7 @@ class Shape:
     features: tuple[Feature, ...]
     starts: Callable[[Sequence[float], Signals], Mapping[str, float]]
     signed: bool = False
+    turning: bool = False
 
 
 def dry(signals: Signals) -> Array:

@@ -67,7 +67,11 @@ _ORIFICE = Coefficient(
     linear=True,
 )
 _LAMINAR = Coefficient(
-    "laminar", "{e}", "effort below which the flow is laminar", lambda s: 1e-3 * s.effort
+    "laminar",
+    "{e}",
+    "effort below which the flow is laminar",
+    lambda s: 1e-3 * s.effort,
+    numerical=True,
 )
 ORIFICE = Effect(
     "orifice_flow",

@@ -68,6 +68,7 @@ def _bristle(share: float) -> Shape:
             ),
         ),
         starts,
+        turning=True,
     )
 
 

@@ -163,7 +163,11 @@ END_STOP = Effect(
         ),
         Coefficient("restitution", "", "speed after over speed before an impact", lambda s: 0.5),
         Coefficient(
-            "rest", "{f}", "speed up to which an impact has no rebound", lambda s: 0.02 * s.flow
+            "rest",
+            "{f}",
+            "speed up to which an impact has no rebound",
+            lambda s: 0.02 * s.flow,
+            numerical=True,
         ),
     ),
     {
@@ -207,6 +211,7 @@ def _yielding(share: float) -> Shape:
             ),
         ),
         lambda a, s: {"level": a[0], "width": share * s.stroke},
+        turning=True,
     )
 
 

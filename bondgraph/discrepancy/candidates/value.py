@@ -61,6 +61,8 @@ class Coefficient:
         Whether the effect is proportional to it at small values: the score test's coefficient.
     signed : bool
         Whether negative values are physical.
+    numerical : bool
+        Whether it only keeps the law smooth: fits leave it where it starts.
 
     Examples
     --------
@@ -76,6 +78,7 @@ class Coefficient:
     absent: float | None = None
     linear: bool = False
     signed: bool = False
+    numerical: bool = False
 
     @property
     def symbol(self) -> sympy.Symbol:
@@ -175,6 +178,11 @@ class Effect:
     def static(self) -> bool:
         """Whether it adds no state."""
         return not self.states
+
+    @property
+    def fitted(self) -> tuple[str, ...]:
+        """Coefficients that data tell: all but those that keep the law smooth."""
+        return tuple(item.name for item in self.coefficients if not item.numerical)
 
     @property
     def absent(self) -> dict[str, float]:

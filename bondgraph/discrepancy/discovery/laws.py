@@ -55,11 +55,11 @@ def learned(sketch: Sketch, trial: Trial) -> tuple[LearnedLaw, ...]:
         if not numpy.isfinite(x).all():
             continue
         values = {
-            name: trial.values.get(parameter, math.nan)
+            name: trial.values.get(parameter, item.starts.get(name, math.nan))
             for name, parameter in grafted.parameters.items()
         }
         std = {
-            name: trial.fit.std.get(parameter, math.inf)
+            name: trial.fit.std.get(parameter, 0.0)
             for name, parameter in grafted.parameters.items()
         }
         grid = numpy.linspace(float(x.min()), float(x.max()), GRID)

@@ -22,6 +22,7 @@ from . import gaps as measured
 from .compare import delta_bic
 from .judge import ABOVE, Judgement, judged
 from .laws import learned
+from .outliers import cleared
 from .outside import advice_for, relaxed_starts
 from .prepare import Prepared, held_out, prepared
 from .search import Found, near_noise, searched, starts_of
@@ -128,7 +129,9 @@ def discover(
     known = effects_of(*effects) if effects is not None else effects_of()
     found = searched(bench, signals, known, tell)
     tell("testing on held-out data")
-    return _told(bench, others, found, rows, tests, [*warnings, *found.warnings], began)
+    return _told(
+        found.bench, cleared(found, others), found, rows, tests, [*warnings, *found.warnings], began
+    )
 
 
 def _bench(
@@ -151,7 +154,7 @@ def _bench(
         raise ParameterError(f"a parameter of {graph.name!r} is not finite")
     unknown = {name for row in recordings for name in row.item.free}
     states = tuple(s.name for s in model.equations.states if s.name in unknown)
-    return Bench(graph, tuple(recordings), chosen, states, given, deadline)
+    return Bench(graph, model, tuple(recordings), chosen, states, given, deadline)
 
 
 def _told(
@@ -285,9 +288,10 @@ def effects_in(base: Trial, trial: Trial) -> tuple[NamedEffect, ...]:
         table = {symbol.name: row for symbol, row in trial.graph.parameters.items()}
         parameters = {}
         for key, name in grafted.parameters.items():
-            value = trial.values.get(name, math.nan)
+            value = trial.values.get(name, item.starts.get(key, math.nan))
             unit = str(table[name].unit or "")
-            parameters[key] = Estimate(value, trial.fit.std.get(name, math.inf), unit)
+            std = trial.fit.std.get(name, 0.0 if key not in item.effect.fitted else math.inf)
+            parameters[key] = Estimate(value, std, unit)
         pair = item.site.at if len(item.site.at) == 2 else item.pair
         between = (pair[0], pair[1]) if len(pair) == 2 else None
         found.append(

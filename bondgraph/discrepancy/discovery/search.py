@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -17,7 +18,8 @@ from ..latent.relax import LONGEST, Relaxed, relaxed
 from ..latent.screen import Hypothesis, Sketch, sketched
 from .compare import delta_bic
 from .gaps import sizes
-from .trial import Added, Bench, Trial, tried
+from .outliers import without_outliers
+from .trial import Added, Bench, Draft, Trial, drafted, fitted_from, tried
 
 Array = numpy.ndarray
 Tell = Callable[[str], object]
@@ -25,7 +27,10 @@ Tell = Callable[[str], object]
 MOST = 3  # effects
 LOST = 0.8  # of a signal's deviation
 PROMISE = 0.7  # of what a refit has to bring, to be worth one
-SINGLES, PAIRS = 6, 2  # refitted in each round
+SETTLED = 150  # steps of the last fit
+SINGLES, PAIRS, HIDDEN = 10, 4, 3  # eased in each round
+FIRST, FITTED = 2, 4  # of them fitted by runs: the first of the sketch, the best eased ones
+HOPELESS = 50.0  # behind one that reaches the noise, by twice the logarithm of the likelihood
 SHORTEST, TIMES = 4.0, 8.0  # a fit may take so many seconds, or times as long as the base
 WORTH = 10.0  # drop of the criterion that an effect has to bring: odds of 150 to 1
 
@@ -36,6 +41,8 @@ class Found:
 
     Attributes
     ----------
+    bench : Bench
+        With recordings cleared of outliers, and where they start.
     base : Trial
         The model by itself.
     trials : tuple of Trial
@@ -48,6 +55,7 @@ class Found:
     warnings : tuple of str
     """
 
+    bench: Bench
     base: Trial
     trials: tuple[Trial, ...]
     best: Trial
@@ -79,6 +87,11 @@ def searched(bench: Bench, signals: Sequence[str], effects: Sequence[Effect], te
     """
     tell("screening every effect at every site")
     sketch = _sketched(bench, bench.graph, signals, effects, {})
+    cleaned, said = without_outliers(sketch.relaxed, bench.recordings)
+    if said:
+        tell("screening again without outliers")
+        bench = replace(bench, recordings=cleaned)
+        sketch = _sketched(bench, bench.graph, signals, effects, {})
     bench = replace(bench, starts=starts_of(sketch.relaxed, bench), ways=ways_of(sketch.relaxed))
     tell("fitting the model by itself")
     base = tried(bench, (), [bench.given])
@@ -94,7 +107,7 @@ def searched(bench: Bench, signals: Sequence[str], effects: Sequence[Effect], te
         tell("screening again with fitted parameters")
         guesses = [row.initial for row in base.measurements]
         sketch = _sketched(bench, bench.graph, signals, effects, base.values, guesses)
-    current, trials, warnings = base, list[Trial](), list[str]()
+    current, trials, warnings = base, list[Trial](), list(said)
     sketches, limits = [], []
     while True:
         limit = threshold(sketch)
@@ -116,7 +129,15 @@ def searched(bench: Bench, signals: Sequence[str], effects: Sequence[Effect], te
             warnings.append(f"no second search: {error}")
             break
     current = _without(bench, base, current, trials, tell)
-    return Found(base, tuple(trials), current, tuple(sketches), tuple(limits), tuple(warnings))
+    if current.added and not near_noise(current, bench):
+        tell(f"settling {current.label}")
+        settled = tried(bench, _kept(current, current.added), [current.values], steps=SETTLED)
+        if isinstance(settled, Trial) and delta_bic(current, settled) > 0:
+            trials = [settled if trial is current else trial for trial in trials]
+            current = settled
+    return Found(
+        bench, base, tuple(trials), current, tuple(sketches), tuple(limits), tuple(warnings)
+    )
 
 
 def _lost(trial: Trial, bench: Bench) -> bool:
@@ -206,28 +227,77 @@ def _refitted(
     known: Sequence[Trial],
     tell: Tell,
 ) -> list[Trial]:
-    """Refit the best hypotheses of a sketch, beside what is in the graph already."""
+    """Refit the best hypotheses of a sketch, beside what is in the graph already.
+
+    Easing a fit in takes little and tells which hypotheses are worth a fit by runs.
+    """
+    drafts = _drafts(bench, current, base, sketch, limit, known, tell)
+    first = [draft.label for draft in drafts[:FIRST]]
+    drafts.sort(key=lambda draft: draft.likelihood)
+    trials: list[Trial] = []
+    reached, terms = math.inf, 0
+    for place, draft in enumerate(drafts):
+        behind = math.isfinite(draft.likelihood) and draft.likelihood > reached + HOPELESS
+        if behind and draft.terms >= terms:
+            continue
+        if place >= FITTED and draft.label not in first:
+            continue
+        tell(f"fitting {draft.label}")
+        trial = fitted_from(bench, draft)
+        if isinstance(trial, Trial):
+            trials.append(trial)
+            if near_noise(trial, bench) and draft.likelihood < reached:
+                reached, terms = draft.likelihood, draft.terms
+    return trials
+
+
+def _drafts(
+    bench: Bench,
+    current: Trial,
+    base: Trial,
+    sketch: Sketch,
+    limit: float,
+    known: Sequence[Trial],
+    tell: Tell,
+) -> list[Draft]:
+    """Return what a sketch says is worth a try, beside what is in the graph already."""
     done = {trial.label for trial in known}
-    trials = []
     worth = [item for item in sketch.singles if item.gain > PROMISE * max(limit, WORTH)]
+    if not near_noise(current, bench):
+        # something is left: the best are tried, whatever they promise
+        worth = worth or [item for item in sketch.singles if item.gain > 0][:FITTED]
     wanted = worth[:SINGLES]
     alone = wanted[0].gain if wanted else 0.0
     room = MOST - len(current.added)
-    twos = [item for item in sketch.pairs if item.gain > alone + WORTH and room > 1]
-    for item in [*wanted, *twos[:PAIRS]]:
+    twos = [item for item in sketch.pairs if item.gain > alone + WORTH]
+    pairs = [*twos[:PAIRS], *_hidden(sketch)[:HIDDEN]] if room > 1 else []
+    drafts = []
+    for item in [*wanted, *pairs]:
         added = (*current.added, *(_added(item, i) for i in range(len(item.candidates))))
         added = tuple({each.label: each for each in added}.values())
         label = " + ".join(sorted(each.label for each in added))
         if label in done or len(added) <= len(current.added):
             continue
         done.add(label)
-        tell(f"fitting {label}")
+        tell(f"trying {label}")
         own = [_own(sketch, item), current.values, base.values]
-        kept = _kept(current, added)
-        trial = tried(bench, kept, own)
-        if isinstance(trial, Trial):
-            trials.append(trial)
-    return trials
+        draft = drafted(bench, _kept(current, added), own)
+        if isinstance(draft, Draft):
+            drafts.append(draft)
+    return drafts
+
+
+def _hidden(sketch: Sketch) -> list[Hypothesis]:
+    """Return pairs that bring more than their members do by themselves, most of all first.
+
+    Dry friction and air drag, say, beside a viscous bearing that stands for both.
+    """
+    alone = {item.label: max(item.gain, 0.0) for item in sketch.singles}
+
+    def beyond(item: Hypothesis) -> float:
+        return item.gain - sum(alone.get(member.label, 0.0) for member in item.candidates)
+
+    return sorted((p for p in sketch.pairs if beyond(p) > WORTH), key=beyond, reverse=True)
 
 
 def _kept(current: Trial, added: Sequence[Added]) -> tuple[Added, ...]:

@@ -88,16 +88,21 @@ class Trial:
     @property
     def terms(self) -> int:
         """Coefficients that the effects brought."""
-        return sum(len(item.effect.coefficients) for item in self.added)
+        return sum(len(item.effect.fitted) for item in self.added)
 
     @property
     def strain(self) -> float:
-        """How far own parameters are from what was given, in squares of what is likely."""
-        return sum(
-            (math.log(self.fit.values[name] / given) / LOOSE) ** 2
-            for name, given in self.given.items()
-            if name in self.fit.values and given and self.fit.values[name] / given > 0
-        )
+        """How far own parameters are from what was given, in squares of what is likely.
+
+        An element may turn out not to be there at all: zero is not infinitely far.
+        """
+        total = 0.0
+        for name, given in self.given.items():
+            if name in self.fit.values and given:
+                ratio = self.fit.values[name] / given
+                off = abs(ratio - 1)
+                total += (min(off, abs(math.log(ratio))) if ratio > 0 else off) ** 2
+        return total / LOOSE**2
 
     @property
     def values(self) -> dict[str, float]:
@@ -112,6 +117,8 @@ class Bench:
     Attributes
     ----------
     graph : BondGraph
+    model : CompiledModel
+        Of the graph.
     recordings : tuple of Prepared
     free : tuple of str
         Own parameters.
@@ -130,6 +137,7 @@ class Bench:
     """
 
     graph: BondGraph
+    model: CompiledModel
     recordings: tuple[Prepared, ...]
     free: tuple[str, ...]
     states: tuple[str, ...]
@@ -143,6 +151,44 @@ class Bench:
     def left(self) -> float:
         """Seconds."""
         return max(self.deadline - time.monotonic(), 1.0)
+
+
+@dataclass(frozen=True, eq=False)
+class Draft:
+    """Effects grown into the graph, and where a fit may start.
+
+    Attributes
+    ----------
+    added : tuple of Added
+    grafts : tuple of Grafted
+    graph : BondGraph
+    model : CompiledModel
+    starts : tuple of mapping of str to float
+        Parameters, the best guess first.
+    begins : tuple of mapping of str to float
+        Start states by recording.
+    likelihood : float
+        Twice the negative logarithm where the model hardly errs, to compare drafts by; infinite
+        where that did not come to an end.
+    """
+
+    added: tuple[Added, ...]
+    grafts: tuple[Grafted, ...]
+    graph: BondGraph
+    model: CompiledModel
+    starts: tuple[Mapping[str, float], ...]
+    begins: tuple[Mapping[str, float], ...]
+    likelihood: float = math.inf
+
+    @property
+    def label(self) -> str:
+        """Effects and sites, in one order."""
+        return " + ".join(sorted(item.label for item in self.added))
+
+    @property
+    def terms(self) -> int:
+        """Coefficients that the effects brought."""
+        return sum(len(item.effect.fitted) for item in self.added)
 
 
 def tried(
@@ -166,61 +212,84 @@ def tried(
         Of the fit.
     segments : as for `fit`
     """
+    draft = drafted(bench, added, own)
+    if isinstance(draft, BondGraphError):
+        return draft
+    return fitted_from(bench, draft, steps=steps, segments=segments)
+
+
+def drafted(
+    bench: Bench, added: Sequence[Added], own: Sequence[Mapping[str, float]]
+) -> Draft | BondGraphError:
+    """Grow effects into the graph and ease a fit in; what goes wrong is an answer."""
     try:
         graph, grafts = grown(bench.graph, added)
         model = CompiledModel(graph)
-        new = {
-            graft_.parameters[key]: float(value)
-            for graft_, item in zip(grafts, added, strict=True)
-            for key, value in item.starts.items()
-        }
+    except BondGraphError as error:
+        return error
+    new = {
+        graft_.parameters[key]: float(value)
+        for graft_, item in zip(grafts, added, strict=True)
+        for key, value in item.starts.items()
+    }
+    starts = tuple({**bench.given, **each, **new} for each in own)
+    plain = Draft(tuple(added), grafts, graph, model, starts, bench.starts)
+    return _eased(bench, plain) if bench.ways and added else plain
+
+
+def _eased(bench: Bench, draft: Draft) -> Draft:
+    """Add where a fit comes to that lets the model err less and less; nothing where it fails."""
+    signals = list(dict.fromkeys(name for row in bench.recordings for name in row.signals))
+    free = [*bench.free, *_fitted(draft.grafts)]
+    try:
+        with numpy.errstate(all="ignore"):
+            found = eased(
+                draft.model,
+                [
+                    replace(row.record(signals), guess=guess)
+                    for row, guess in zip(bench.recordings, bench.starts, strict=True)
+                ],
+                signals,
+                free,
+                draft.starts[0],
+                bench.ways,
+            )
+            values = found.table.given(found.values)
+    except (BondGraphError, ValueError, numpy.linalg.LinAlgError):
+        return draft
+    if not all(map(math.isfinite, values.values())):
+        return draft
+    return replace(draft, starts=(values, *draft.starts), likelihood=found.likelihood)
+
+
+def fitted_from(
+    bench: Bench, draft: Draft, *, steps: int = STEPS, segments: Any = None
+) -> Trial | BondGraphError:
+    """Fit a draft to the recordings by its runs; what goes wrong is an answer."""
+    model, grafts = draft.model, draft.grafts
+    try:
         rows = tuple(
             _started(recording.plain, start, grafts, bench.states)
-            for recording, start in zip(bench.recordings, bench.starts, strict=True)
+            for recording, start in zip(bench.recordings, draft.begins, strict=True)
         )
-        own = [{**bench.given, **each, **new} for each in own]
-        if bench.ways and added:
-            own = [*_eased(bench, model, grafts, own[0]), *own]
-        start = _nearest(model, rows, bench, own)
-        free = [*bench.free, *(name for item in grafts for name in item.parameters.values())]
-        free += [name for name in bench.states if name in _states(model)]
+        start = _nearest(model, rows, bench, draft.starts)
+        ties = _ties(grafts, model, start)
+        free = [*bench.free, *_fitted(grafts), *_open(bench, model, ties)]
         found = fit(
             model,
             rows,
             free,
             parameters=start,
             priors=_priors(bench),
-            ties=_ties(grafts, model, start),
+            ties=ties,
             segments=segments,
             loss="linear",
             max_iterations=steps,
             time_budget=min(bench.left, bench.seconds),
         )
-        return trial_of(tuple(added), grafts, graph, model, found, rows, bench.given)
+        return trial_of(draft.added, grafts, draft.graph, model, found, rows, bench.given, ties)
     except BondGraphError as error:
         return error
-
-
-def _eased(
-    bench: Bench, model: CompiledModel, grafts: Sequence[Grafted], start: Mapping[str, float]
-) -> list[dict[str, float]]:
-    """Return where a fit that lets the model err less and less comes to; nothing where it fails."""
-    signals = list(dict.fromkeys(name for row in bench.recordings for name in row.signals))
-    free = [*bench.free, *(name for item in grafts for name in item.parameters.values())]
-    try:
-        with numpy.errstate(all="ignore"):
-            found = eased(
-                model,
-                [row.record(signals) for row in bench.recordings],
-                signals,
-                free,
-                start,
-                bench.ways,
-            )
-            values = found.table.given(found.values)
-    except (BondGraphError, ValueError, numpy.linalg.LinAlgError):
-        return []
-    return [values] if all(map(math.isfinite, values.values())) else []
 
 
 def trial_of(
@@ -231,6 +300,7 @@ def trial_of(
     found: Fit,
     rows: tuple[Measurement, ...],
     given: Mapping[str, float],
+    ties: Mapping[str, Mapping[str, float]],
 ) -> Trial | BondGraphError:
     """Return a fit with what comparisons need."""
     squares: dict[str, float] = {}
@@ -246,7 +316,7 @@ def trial_of(
     if not squares or not all(math.isfinite(value) for value in squares.values()):
         return BondGraphError(f"the fit did not run: {found.advice}")
     begun = tuple(
-        row.changed(initial={**row.initial, **found.initial[i]}) if found.initial else row
+        row.changed(initial=_begun(row.initial, found.initial[i] if found.initial else {}, ties))
         for i, row in enumerate(rows)
     )
     return Trial(added, grafts, graph, model, found, begun, squares, counts, effective, given)
@@ -273,6 +343,39 @@ def _ties(
         known = {key: value for key, value in parameters.items() if key in _names(item.graph)}
         found |= item.ties([name for name in states if name not in new], known)
     return found
+
+
+def _begun(
+    initial: Mapping[str, float],
+    found: Mapping[str, float],
+    ties: Mapping[str, Mapping[str, float]],
+) -> dict[str, float]:
+    """Return where a recording begins, with what a fit found and what follows from it."""
+    known = {**initial, **found}
+    following = {
+        name: sum(factor * known.get(other, 0.0) for other, factor in shares.items())
+        for name, shares in ties.items()
+    }
+    return known | following
+
+
+def _fitted(grafts: Sequence[Grafted]) -> list[str]:
+    """Return the parameters of effects that data tell."""
+    return [
+        name
+        for item in grafts
+        for key, name in item.parameters.items()
+        if key in item.effect.fitted
+    ]
+
+
+def _open(bench: Bench, model: CompiledModel, ties: Mapping[str, Mapping[str, float]]) -> list[str]:
+    """Return the states whose start is sought: those not known, and new ones that follow none."""
+    before = {state.name for state in bench.model.equations.states}
+    names = [state.name for state in model.equations.states]
+    return [
+        name for name in names if name in bench.states or (name not in before and name not in ties)
+    ]
 
 
 def _names(graph: BondGraph) -> set[str]:
@@ -388,11 +491,13 @@ def again(
         Start states by recording.
     """
     found = []
-    states = [name for name in bench.states if name in _states(trial.model)]
     parameters = {**bench.given, **trial.values}
+    ties = _ties(trial.grafts, trial.model, parameters)
+    states = _open(bench, trial.model, ties)
+    before = {state.name for state in bench.model.equations.states}
     for recording, start in zip(recordings, starts, strict=True):
         row = _started(recording.plain, start, trial.grafts, bench.states)
-        open_ = [name for name in states if name in recording.item.free]
+        open_ = [name for name in states if name in recording.item.free or name not in before]
         if not open_:
             found.append(dict(row.initial))
             continue
@@ -402,11 +507,12 @@ def again(
                 row,
                 open_,
                 parameters=parameters,
+                ties=ties,
                 segments=None,
                 max_iterations=STEPS,
                 time_budget=bench.left,
             )
-            found.append({**row.initial, **begun.initial[0]})
+            found.append(_begun(row.initial, begun.initial[0], ties))
         except BondGraphError:
             found.append(dict(row.initial))
     return found

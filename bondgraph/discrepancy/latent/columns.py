@@ -9,7 +9,7 @@ import numpy
 import sympy
 
 from ..candidates import Effect, Scale
-from ..candidates.features import Shape, Signals
+from ..candidates.features import Shape, Signals, turned
 from ..candidates.places import SOURCE
 from ..grafting import Site
 from .functions import Functions
@@ -126,6 +126,8 @@ def columns_of(found: Relaxed, probed: Probed, effects: Iterable[Effect]) -> Col
             continue
         for effect in fitting:
             for shape in effect.forms:
+                if shape.turning and not any(turned(s.displacement) for s in signals["after"]):
+                    continue
                 made = {side: _features(shape, signals[side]) for side in sides}
                 if not all(numpy.isfinite(part).all() for rows in made.values() for part in rows):
                     continue

@@ -48,6 +48,6 @@ def threshold(sketch: Sketch, level: float = LEVEL, draws: int = DRAWS) -> float
         along = basis.T @ noise
         if not candidate.shape.signed and len(where) == 1:
             along = numpy.maximum(along, 0.0)
-        terms = len(candidate.effect.coefficients)
+        terms = len(candidate.effect.fitted)
         best = numpy.maximum(best, (along**2).sum(axis=0) - terms * numpy.log(reduced.count))
     return float(numpy.quantile(best, level))

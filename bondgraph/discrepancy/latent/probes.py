@@ -114,7 +114,10 @@ def probed(graph: BondGraph, effects: Iterable[Effect]) -> Probed:
             continue
         grown = found.graph
         probes.append(Probe(site, found.parameters["amount"], _signals(graph, site)))
-    return Probed(grown, tuple(probes), tuple(refused))
+    felt = {symbol.name for symbol in derive(grown).parameters}  # what nothing depends on is not
+    return Probed(
+        grown, tuple(probe for probe in probes if probe.parameter in felt), tuple(refused)
+    )
 
 
 def _effect(site: Site) -> Effect:

@@ -146,10 +146,12 @@ def sketched(found: Relaxed, probed: Probed, effects: Iterable[Effect], pairs: i
         if item is not None and (item.label not in best or item.gain > best[item.label][1].gain):
             best[item.label] = index, item
     order = _without_twins(sorted(best.values(), key=lambda pair: -pair[1].gain), columns, reduced)
+    # what is of the wrong sign alone may be of the right one beside another
+    beside = [i for i, _ in order] + [i for i, item in enumerate(singles) if item is None]
     seconds = [
         item
         for index, first in order[:pairs]
-        for item in _with_second(reduced, columns, index, [i for i, _ in order], base)
+        for item in _with_second(reduced, columns, index, beside, base)
     ]
     return Sketch(
         tuple(item for _, item in order),
@@ -319,7 +321,7 @@ def _hypothesis(
         at += len(columns.groups[one])
     if not all(numpy.any(part) for part in parts):
         return None
-    terms = sum(len(columns.candidates[one].effect.coefficients) for one in chosen)
+    terms = sum(len(columns.candidates[one].effect.fitted) for one in chosen)
     gain = base - likelihood - terms * float(numpy.log(item.count))
     found = tuple(columns.candidates[one] for one in chosen)
     own = item.own[:, -1] - item.own[:, where] @ amounts

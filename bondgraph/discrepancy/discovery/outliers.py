@@ -1,0 +1,89 @@
+"""Outliers: samples that no course near the data comes near to."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy
+
+from ..latent.relax import Course, Relaxed, followed
+from .prepare import Prepared
+
+if TYPE_CHECKING:
+    from .search import Found
+
+Array = numpy.ndarray
+
+FAR = 6.0  # robust standard deviations
+NORMAL = 1.4826
+FEW = 0.02  # of the samples; more are no outliers but something that is missing
+
+
+def without_outliers(
+    found: Relaxed, recordings: Sequence[Prepared]
+) -> tuple[tuple[Prepared, ...], tuple[str, ...]]:
+    """Leave out samples that are far from the smoothed course.
+
+    Parameters
+    ----------
+    found : Relaxed
+    recordings : sequence of Prepared
+        That it follows.
+
+    Returns
+    -------
+    tuple of Prepared
+    tuple of str
+        What was left out, in words.
+    """
+    courses: dict[str, list[Course]] = {}
+    for course in found.courses:
+        courses.setdefault(course.record.name, []).append(course)
+    kept, words = [], []
+    for row in recordings:
+        cleaned, said = _cleaned(found, row, courses.get(row.name, []))
+        kept.append(cleaned)
+        words += said
+    return tuple(kept), tuple(words)
+
+
+def cleared(found: Found, held: Sequence[Prepared]) -> list[Prepared]:
+    """Leave outliers out of other recordings, as they were of those learned from."""
+    relaxed = found.sketches[0].relaxed
+    signals = relaxed.functions.outputs
+    return [_cleaned(relaxed, row, [followed(relaxed, row.record(signals))])[0] for row in held]
+
+
+def _cleaned(
+    found: Relaxed, row: Prepared, courses: Sequence[Course]
+) -> tuple[Prepared, list[str]]:
+    columns, words = dict(row.plain.columns), []
+    for place, name in enumerate(found.functions.outputs):
+        if name not in row.signals:
+            continue
+        far = numpy.zeros(len(row.plain.t), dtype=bool)
+        for course in courses:
+            off = _off(found, course, place)
+            spread = NORMAL * float(numpy.nanmedian(numpy.abs(off)))
+            with numpy.errstate(invalid="ignore"):
+                marked = numpy.abs(off) > FAR * max(spread, course.record.noise[place])
+            far[numpy.searchsorted(row.plain.t, course.record.t[marked])] = True
+        if 0 < far.sum() <= FEW * len(far):
+            columns[name] = numpy.where(far, numpy.nan, columns[name])
+            words.append(
+                f"{row.name}: {int(far.sum())} samples of {name!r} are left out as outliers"
+            )
+    if not words:
+        return row, []
+    return replace(row, plain=row.plain.changed(columns=columns)), words
+
+
+def _off(found: Relaxed, course: Course, place: int) -> Array:
+    at = course.grid.samples
+    p = found.table.vector(found.values)
+    said = found.functions.at(course.grid.t[at], course.x[at], course.grid.before[at], p).outputs[
+        :, place
+    ]
+    return numpy.asarray(course.record.measured[:, place] - said)
