@@ -6,6 +6,7 @@ Public names are loaded when first used, so that ``import bondgraph`` is cheap.
 from __future__ import annotations
 
 import importlib
+import logging
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -223,6 +224,10 @@ __all__ = [
     "Zero",
 ]
 __version__ = "0.1.0"
+
+
+# What runs note is heard where somebody listens, not printed by the last resort.
+logging.getLogger(__name__).addHandler(logging.NullHandler())
 
 
 def __getattr__(name: str) -> Any:

@@ -240,6 +240,8 @@ class Shape:
         ``starts(amounts, signals)``: coefficients by name, where a fit begins.
     signed : bool
         Whether amounts below zero are physical.
+    floating : bool
+        Whether it also takes a constant where nothing tells where the displacement begins.
     turning : bool
         Whether it is told from other effects only where the displacement turns back: what yields
         is then let go, while before it is as a spring that softens.
@@ -254,6 +256,7 @@ class Shape:
     features: tuple[Feature, ...]
     starts: Callable[[Sequence[float], Signals], Mapping[str, float]]
     signed: bool = False
+    floating: bool = False
     turning: bool = False
 
 

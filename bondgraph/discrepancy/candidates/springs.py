@@ -38,7 +38,13 @@ LINEAR = Effect(
     "effort in proportion to displacement",
     "Karnopp, Margolis, Rosenberg, System Dynamics, ch. 3",
     domains=POWER,
-    features=(Feature("q", lambda s: s.displacement),),
+    shapes=(
+        Shape(
+            (Feature("q", lambda s: s.displacement),),
+            lambda a, s: {"stiffness": a[0]},
+            floating=True,
+        ),
+    ),
     states=_POSITION,
 )
 _CUBIC = Coefficient(

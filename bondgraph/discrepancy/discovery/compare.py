@@ -6,6 +6,8 @@ import math
 
 from .trial import Trial
 
+EACH = 6.0  # of each effect: twice the logarithm of twenty that might have been taken
+
 
 def delta_bic(before: Trial, after: Trial) -> float:
     """Return the drop of the Bayesian information criterion from one fit to another.
@@ -29,6 +31,20 @@ def delta_bic(before: Trial, after: Trial) -> float:
     gain, count = log_ratio(before, after)
     gain += before.strain - after.strain
     return gain - (after.terms - before.terms) * math.log(max(count, 2.0))
+
+
+def preference(before: Trial, after: Trial) -> float:
+    """Return by how much a fit is preferred to another: the criterion, less the odds of its effects.
+
+    One effect out of many is easily found that fits a little better; two out of many still more
+    easily.
+
+    References
+    ----------
+    Chen, Chen, Extended Bayesian information criteria for model selection with large model spaces,
+    Biometrika 95 (2008) 759-771.
+    """
+    return delta_bic(before, after) - EACH * (len(after.added) - len(before.added))
 
 
 def log_ratio(before: Trial, after: Trial) -> tuple[float, float]:

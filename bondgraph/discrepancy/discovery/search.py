@@ -16,7 +16,7 @@ from ..latent.null import threshold
 from ..latent.probes import probed
 from ..latent.relax import LONGEST, Relaxed, relaxed
 from ..latent.screen import Hypothesis, Sketch, sketched
-from .compare import delta_bic
+from .compare import delta_bic, preference
 from .gaps import sizes
 from .outliers import without_outliers
 from .trial import Added, Bench, Draft, Trial, drafted, fitted_from, tried
@@ -31,7 +31,7 @@ SETTLED = 150  # steps of the last fit
 SINGLES, PAIRS, HIDDEN = 10, 4, 3  # eased in each round
 FIRST, FITTED = 2, 4  # of them fitted by runs: the first of the sketch, the best eased ones
 HOPELESS = 50.0  # behind one that reaches the noise, by twice the logarithm of the likelihood
-SHORTEST, TIMES = 4.0, 8.0  # a fit may take so many seconds, or times as long as the base
+SHORTEST, TIMES = 8.0, 8.0  # a fit may take so many seconds, or times as long as the base
 WORTH = 10.0  # drop of the criterion that an effect has to bring: odds of 150 to 1
 
 
@@ -115,7 +115,7 @@ def searched(bench: Bench, signals: Sequence[str], effects: Sequence[Effect], te
         limits.append(limit)
         fresh = _refitted(bench, current, base, sketch, limit, trials, tell)
         trials += fresh
-        better = max(fresh, key=lambda trial: delta_bic(current, trial), default=None)
+        better = max(fresh, key=lambda trial: preference(current, trial), default=None)
         if better is None or delta_bic(current, better) < max(WORTH, limit):
             break
         current = better

@@ -34,6 +34,8 @@ class Candidate:
         Which of the probes.
     pair : tuple of str
         The two junctions between which the site is, where it is such a place.
+    floats : bool
+        Whether a constant stands beside its columns: nothing tells where its displacement begins.
     """
 
     effect: Effect
@@ -42,6 +44,7 @@ class Candidate:
     signals: Signals
     probe: int
     pair: tuple[str, ...] = ()
+    floats: bool = False
 
     @property
     def label(self) -> str:
@@ -58,6 +61,12 @@ class Candidate:
             for values in (signals.effort, signals.flow, way)
         )
         return Scale(effort or 1.0, flow or 1.0, displacement or 1.0, signals.duration)
+
+    @property
+    def signed(self) -> tuple[bool, ...]:
+        """Whether amounts below zero are physical, by column."""
+        own = [self.shape.signed] * len(self.shape.features)
+        return (*own, True) if self.floats else tuple(own)
 
     def starts(self, amounts: Sequence[float]) -> dict[str, float]:
         """Return the coefficients that amounts of the columns tell."""
@@ -133,15 +142,22 @@ def columns_of(found: Relaxed, probed: Probed, effects: Iterable[Effect]) -> Col
                     continue
                 if not any(numpy.abs(part).max(initial=0.0) > 0 for part in made["after"]):
                     continue
+                floats = shape.floating and not _anchored(found, probe)
+                if floats:
+                    made = {
+                        side: [numpy.column_stack([rows, numpy.ones(len(rows))]) for rows in parts_]
+                        for side, parts_ in made.items()
+                    }
                 first = len(where)
-                groups.append(tuple(range(first, first + len(shape.features))))
-                where += [i] * len(shape.features)
-                rates += [feature.rate for feature in shape.features]
+                width = len(shape.features) + floats
+                groups.append(tuple(range(first, first + width)))
+                where += [i] * width
+                rates += [*(feature.rate for feature in shape.features), *([False] * floats)]
                 for side in ("before", "after"):
                     parts[side].append(made.get(side, made["after"]))
                 whole = signals["after"][0].whole
                 assert whole is not None
-                candidates.append(Candidate(effect, probe.site, shape, whole, i))
+                candidates.append(Candidate(effect, probe.site, shape, whole, i, floats=floats))
     values = []
     for number, course in enumerate(found.courses):
         empty = numpy.zeros((len(course.grid), 0))
@@ -157,6 +173,22 @@ def columns_of(found: Relaxed, probed: Probed, effects: Iterable[Effect]) -> Col
         numpy.array(rates, dtype=bool),
         tuple(values),
     )
+
+
+def _anchored(found: Relaxed, probe: Probe) -> bool:
+    """Whether something tells where a site's displacement begins: a state that is felt or said."""
+    way = probe.signals.get("displacement")
+    if way is None:
+        return False
+    equations = found.functions.equations
+    states = way.xreplace(equations.own_symbols).free_symbols
+    used: set[sympy.Basic] = set()
+    for expression in (
+        *equations.derivatives,
+        *(equations.outputs[name] for name in found.functions.outputs),
+    ):
+        used |= equations.substituted(expression).free_symbols
+    return bool(states & used & set(equations.states))
 
 
 def _evaluated(

@@ -46,7 +46,7 @@ def threshold(sketch: Sketch, level: float = LEVEL, draws: int = DRAWS) -> float
             continue
         basis, _ = numpy.linalg.qr(factor[:, where] / size[where])
         along = basis.T @ noise
-        if not candidate.shape.signed and len(where) == 1:
+        if not candidate.signed[0] and len(where) == 1:
             along = numpy.maximum(along, 0.0)
         terms = len(candidate.effect.fitted)
         best = numpy.maximum(best, (along**2).sum(axis=0) - terms * numpy.log(reduced.count))

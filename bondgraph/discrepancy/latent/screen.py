@@ -303,7 +303,7 @@ def _hypothesis(
     """Fit candidates together at each size of the error; return the likeliest."""
     best = None
     where = [index for one in chosen for index in columns.groups[one]]
-    signed = [columns.candidates[one].shape.signed for one in chosen for _ in columns.groups[one]]
+    signed = [free for one in chosen for free in columns.candidates[one].signed]
     for item in reduced:
         gram, cross = item.gram[numpy.ix_(where, where)], item.gram[where, -1]
         amounts = _amounts(gram, cross, signed)
