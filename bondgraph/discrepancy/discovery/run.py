@@ -24,7 +24,7 @@ from .judge import ABOVE, Judgement, judged
 from .laws import learned
 from .outliers import cleared
 from .outside import advice_for, relaxed_starts
-from .prepare import Prepared, held_out, prepared
+from .prepare import Prepared, distinct, held_out, prepared
 from .search import Found, near_noise, searched, starts_of
 from .trial import Bench, Trial
 from .value import Discovery, Estimate, Explanation, NamedEffect
@@ -116,6 +116,8 @@ def discover(
     tests = [validation] if isinstance(validation, Measurement) else list(validation)
     if not rows:
         raise MeasurementError("there is no measurement to learn from; give one or more")
+    named = distinct([*rows, *tests])
+    rows, tests = named[: len(rows)], named[len(rows) :]
     warnings: list[str] = []
     if not tests:
         rows, tests, words = held_out(rows)

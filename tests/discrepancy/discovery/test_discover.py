@@ -3,11 +3,11 @@
 import numpy
 import pytest
 
-from bondgraph import R, simulate
-from bondgraph.discrepancy import Measurement, discover
+from bondgraph import simulate
+from bondgraph.discrepancy import Measurement, discover, graft
 from bondgraph.discrepancy.candidates import FLOW, Coefficient, Effect, Feature, resistor
 from bondgraph.errors import BondGraphError, LawError, MeasurementError, ParameterError
-from bondgraph.files import TO_DICT
+from bondgraph.files import dumps
 
 from .made import lacking, push, recorded
 
@@ -72,9 +72,9 @@ def test_ranked_ends_with_the_model_by_itself(drag):
 
 
 def test_the_graph_is_left_as_it_was_and_the_answer_is_the_same_twice(drag):
-    before = to_dict(NOMINAL)
+    before = dumps(NOMINAL)
     again = found(DRAGGED)
-    assert to_dict(NOMINAL) == before
+    assert dumps(NOMINAL) == before
     assert again.words == drag.words and again.verdict == drag.verdict
     assert again.effects[0].parameters == drag.effects[0].parameters
     assert {k: v.value for k, v in again.parameters.items()} == {
@@ -155,13 +155,7 @@ def test_an_own_effect_is_found():
         "none",
         features=(Feature("f^3", lambda s: s.flow**3),),
     )
-    base = lacking()
-    film = R("film", effort=lambda f: 40 * f**3)
-    machine = base + (base.elements["carriage"] >> film) if hasattr(base, "__add__") else None
-    if machine is None:
-        from bondgraph.discrepancy import graft
-
-        machine = graft(base, cubic, "carriage", parameters={"b": 40.0}).graph
+    machine = graft(NOMINAL, cubic, "carriage", parameters={"b": 40.0}).graph
     own = found(machine, effects=("viscous_damping", cubic))
     assert [effect.label for effect in own.effects] == ["cubic_damping at carriage"]
     assert own.effects[0].parameters["b"].value == pytest.approx(40, rel=0.1)
@@ -175,9 +169,7 @@ def test_only_what_is_free_is_fitted():
 
 
 def test_given_values_count_instead_of_the_table():
-    run = [
-        recorded(DRAGGED, seed, count=241, span=3.0, parameters={"m": 3.0}) for seed in (0, 1)
-    ]
+    run = [recorded(DRAGGED, seed, count=241, span=3.0, parameters={"m": 3.0}) for seed in (0, 1)]
     told = discover(NOMINAL, *run, effects=FEW, free=["k", "b"], parameters={"m": 3.0})
     assert told.verdict == "named" and told.nominal == {"k": 800.0, "b": 4.0}
     assert told.effects[0].parameters["drag"].value == pytest.approx(15, rel=0.1)
@@ -216,7 +208,6 @@ def test_what_is_wrong_is_said(change, error, word):
         ({"push": 0.0, "x": 1.0}, {"spring.q": numpy.nan}, "spring.q"),
         ({"push": 0.0, "x": 1.0}, {"springs.q": 0.0}, "springs.q"),
         ({"push": numpy.nan, "x": 1.0}, {}, "push"),
-        ({"x": 1.0}, {}, "push"),
     ],
 )
 def test_recordings_that_do_not_fit_are_refused(columns, initial, word):

@@ -13,9 +13,7 @@ from bondgraph.discrepancy.discovery.judge import judged
 COUNT = 400
 
 
-def trial(
-    squares, *names, values=None, std=0.01, site="carriage", effective=COUNT, given=None
-):
+def trial(squares, *names, values=None, std=0.01, site="carriage", effective=COUNT, given=None):
     """A fit that leaves so much, with effects named."""
     added, grafts, fitted, spread = [], [], {}, {}
     for name in names:

@@ -4,7 +4,7 @@ import numpy
 import pytest
 
 from bondgraph.discrepancy import Measurement
-from bondgraph.discrepancy.discovery.prepare import HELD_OUT, held_out, prepared
+from bondgraph.discrepancy.discovery.prepare import HELD_OUT, distinct, held_out, prepared
 from bondgraph.errors import MeasurementError
 
 from .made import lacking, recorded
@@ -56,3 +56,9 @@ def test_the_end_of_the_only_one_is_held_out():
     assert first.t[0] == RUN.t[0] and last.t[-1] == RUN.t[-1]
     assert abs(len(last) - HELD_OUT * len(RUN)) <= 1
     assert first.t[-1] <= last.t[0]
+
+
+def test_names_stay_where_they_differ_and_are_numbered_where_not():
+    names = ["a", "b", "a", "a 1", "a"]
+    rows = distinct([RUN.changed(name=name) for name in names])
+    assert [row.name for row in rows] == ["a 2", "b", "a 3", "a 1", "a 4"]
