@@ -122,6 +122,7 @@ def discover(
     if not tests:
         rows, tests, words = held_out(rows)
         warnings.append(words)
+    rows, tests = _named_apart([*rows, *tests], len(rows))
     ready = [prepared(row, graph) for row in rows]
     held = [prepared(row, graph) for row in tests]
     warnings += [word for _, told in (*ready, *held) for word in told]
@@ -134,6 +135,20 @@ def discover(
     return _told(
         found.bench, cleared(found, others), found, rows, tests, [*warnings, *found.warnings], began
     )
+
+
+def _named_apart(
+    rows: Sequence[Measurement], count: int
+) -> tuple[list[Measurement], list[Measurement]]:
+    """Return recordings, to learn from and to test on, with names of their own."""
+    seen: dict[str, int] = {}
+    names = [row.name for row in rows]
+    found = []
+    for row in rows:
+        seen[row.name] = number = seen.get(row.name, 0) + 1
+        twice = names.count(row.name) > 1
+        found.append(row.changed(name=f"{row.name} {number}") if twice else row)
+    return found[:count], found[count:]
 
 
 def _bench(

@@ -27,9 +27,10 @@ Tell = Callable[[str], object]
 MOST = 3  # effects
 LOST = 0.8  # of a signal's deviation
 PROMISE = 0.7  # of what a refit has to bring, to be worth one
+ALONG = 4  # of those that a score along the model's own run puts first
 SETTLED = 150  # steps of the last fit
 SINGLES, PAIRS, HIDDEN = 10, 4, 3  # eased in each round
-FIRST, FITTED = 2, 4  # of them fitted by runs: the first of the sketch, the best eased ones
+FIRST, FITTED = 2, 3  # of them fitted by runs: the first of the sketch, the best eased ones
 HOPELESS = 50.0  # behind one that reaches the noise, by twice the logarithm of the likelihood
 SHORTEST, TIMES = 8.0, 8.0  # a fit may take so many seconds, or times as long as the base
 WORTH = 10.0  # drop of the criterion that an effect has to bring: odds of 150 to 1
@@ -107,13 +108,17 @@ def searched(bench: Bench, signals: Sequence[str], effects: Sequence[Effect], te
         tell("screening again with fitted parameters")
         guesses = [row.initial for row in base.measurements]
         sketch = _sketched(bench, bench.graph, signals, effects, base.values, guesses)
+        beside = None
+    else:
+        tell("scoring along the model's own run")
+        beside = _along_runs(bench, base, signals, effects)
     current, trials, warnings = base, list[Trial](), list(said)
     sketches, limits = [], []
     while True:
         limit = threshold(sketch)
         sketches.append(sketch)
         limits.append(limit)
-        fresh = _refitted(bench, current, base, sketch, limit, trials, tell)
+        fresh = _refitted(bench, current, base, sketch, limit, trials, tell, beside)
         trials += fresh
         better = max(fresh, key=lambda trial: preference(current, trial), default=None)
         if better is None or delta_bic(current, better) < max(WORTH, limit):
@@ -125,6 +130,7 @@ def searched(bench: Bench, signals: Sequence[str], effects: Sequence[Effect], te
         try:
             guesses = [row.initial for row in current.measurements]
             sketch = _sketched(bench, current.graph, signals, effects, current.values, guesses)
+            beside = _along_runs(bench, current, signals, effects)
         except BondGraphError as error:
             warnings.append(f"no second search: {error}")
             break
@@ -138,6 +144,20 @@ def searched(bench: Bench, signals: Sequence[str], effects: Sequence[Effect], te
     return Found(
         bench, base, tuple(trials), current, tuple(sketches), tuple(limits), tuple(warnings)
     )
+
+
+def _along_runs(
+    bench: Bench, trial: Trial, signals: Sequence[str], effects: Sequence[Effect]
+) -> Sketch | None:
+    """Score effects along the runs of a fitted model, to first order.
+
+    Where the states that the model has cannot follow the data at all, a smoother goes astray.
+    """
+    guesses = [row.initial for row in trial.measurements]
+    try:
+        return _sketched(bench, trial.graph, signals, effects, trial.values, guesses, rounds=0)
+    except BondGraphError:
+        return None
 
 
 def _lost(trial: Trial, bench: Bench) -> bool:
@@ -173,6 +193,7 @@ def _sketched(
     effects: Sequence[Effect],
     values: dict[str, float],
     guesses: Sequence[Mapping[str, float]] = (),
+    **options: int,
 ) -> Sketch:
     probes = probed(graph, effects)
     model = CompiledModel(probes.graph)
@@ -195,6 +216,7 @@ def _sketched(
         [probe.errs for probe in probes.probes],
         {**bench.given, **values},
         CompiledModel(graph),
+        **options,
     )
     return sketched(found, probes, effects)
 
@@ -226,13 +248,15 @@ def _refitted(
     limit: float,
     known: Sequence[Trial],
     tell: Tell,
+    beside: Sketch | None,
 ) -> list[Trial]:
     """Refit the best hypotheses of a sketch, beside what is in the graph already.
 
     Easing a fit in takes little and tells which hypotheses are worth a fit by runs.
     """
-    drafts = _drafts(bench, current, base, sketch, limit, known, tell)
-    first = [draft.label for draft in drafts[:FIRST]]
+    drafts, first = _drafts(bench, current, base, sketch, limit, known, tell, beside)
+    drafts.sort(key=lambda draft: draft.off)
+    first += [draft.label for draft in drafts[:FITTED]]
     drafts.sort(key=lambda draft: draft.likelihood)
     trials: list[Trial] = []
     reached, terms = math.inf, 0
@@ -259,8 +283,12 @@ def _drafts(
     limit: float,
     known: Sequence[Trial],
     tell: Tell,
-) -> list[Draft]:
-    """Return what a sketch says is worth a try, beside what is in the graph already."""
+    beside: Sketch | None,
+) -> tuple[list[Draft], list[str]]:
+    """Return what a sketch says is worth a try, beside what is in the graph already.
+
+    Also return the labels of those that are to be fitted in any case: the best of each kind.
+    """
     done = {trial.label for trial in known}
     worth = [item for item in sketch.singles if item.gain > PROMISE * max(limit, WORTH)]
     if not near_noise(current, bench):
@@ -270,9 +298,12 @@ def _drafts(
     alone = wanted[0].gain if wanted else 0.0
     room = MOST - len(current.added)
     twos = [item for item in sketch.pairs if item.gain > alone + WORTH]
-    pairs = [*twos[:PAIRS], *_hidden(sketch)[:HIDDEN]] if room > 1 else []
-    drafts = []
-    for item in [*wanted, *pairs]:
+    hidden = _hidden(sketch)
+    pairs = [*twos[:PAIRS], *hidden[:HIDDEN]] if room > 1 else []
+    drafts: list[Draft] = []
+    first: list[str] = []
+    others = [] if beside is None else beside.singles[:ALONG]
+    for item in [*wanted, *pairs, *(item for item in others if item.gain > WORTH)]:
         added = (*current.added, *(_added(item, i) for i in range(len(item.candidates))))
         added = tuple({each.label: each for each in added}.values())
         label = " + ".join(sorted(each.label for each in added))
@@ -280,11 +311,17 @@ def _drafts(
             continue
         done.add(label)
         tell(f"trying {label}")
-        own = [_own(sketch, item), current.values, base.values]
+        own = [
+            _own(beside if beside and item in others else sketch, item),
+            current.values,
+            base.values,
+        ]
         draft = drafted(bench, _kept(current, added), own)
         if isinstance(draft, Draft):
             drafts.append(draft)
-    return drafts
+            if any(item is one for one in (*wanted[:FIRST], *twos[:1], *hidden[:1], *others[:1])):
+                first.append(draft.label)
+    return drafts, first
 
 
 def _hidden(sketch: Sketch) -> list[Hypothesis]:

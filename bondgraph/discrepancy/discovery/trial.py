@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy
 
-from ...errors import BondGraphError
+from ...errors import BondGraphError, SimulationError
 from ...graph import BondGraph
 from ...simulation import CompiledModel, simulate
 from ..candidates import Effect
@@ -18,11 +18,13 @@ from ..fitting import Fit, fit
 from ..grafting import Grafted, Site, graft
 from ..latent.relax import eased
 from ..measurement import Measurement
+from .horizon import grown_horizon
 from .prepare import Prepared
 
 Array = numpy.ndarray
 
 STEPS = 40
+FAR = 0.05  # of signals' variances
 LOOSE = 0.4  # standard deviation of the logarithm of own parameters about what was given
 
 
@@ -170,6 +172,8 @@ class Draft:
     likelihood : float
         Twice the negative logarithm where the model hardly errs, to compare drafts by; infinite
         where that did not come to an end.
+    off : float
+        How far the run from the best start is from the data, see `misfit`.
     """
 
     added: tuple[Added, ...]
@@ -179,6 +183,7 @@ class Draft:
     starts: tuple[Mapping[str, float], ...]
     begins: tuple[Mapping[str, float], ...]
     likelihood: float = math.inf
+    off: float = math.inf
 
     @property
     def label(self) -> str:
@@ -227,6 +232,8 @@ def drafted(
         model = CompiledModel(graph)
     except BondGraphError as error:
         return error
+    if model.equations.algebraic:
+        return SimulationError("it leaves efforts and flows that follow from each other at once")
     new = {
         graft_.parameters[key]: float(value)
         for graft_, item in zip(grafts, added, strict=True)
@@ -234,7 +241,15 @@ def drafted(
     }
     starts = tuple({**bench.given, **each, **new} for each in own)
     plain = Draft(tuple(added), grafts, graph, model, starts, bench.starts)
-    return _eased(bench, plain) if bench.ways and added else plain
+    if not (bench.ways and added):
+        return plain
+    draft = _eased(bench, plain)
+    rows = tuple(
+        _started(recording.plain, start, grafts, bench.states)
+        for recording, start in zip(bench.recordings, draft.begins, strict=True)
+    )
+    start, off = _nearest(model, rows, bench, draft.starts)
+    return replace(draft, starts=(start,), off=off)
 
 
 def _eased(bench: Bench, draft: Draft) -> Draft:
@@ -272,9 +287,16 @@ def fitted_from(
             _started(recording.plain, start, grafts, bench.states)
             for recording, start in zip(bench.recordings, draft.begins, strict=True)
         )
-        start = _nearest(model, rows, bench, draft.starts)
+        start = draft.starts[0]
+        if len(draft.starts) > 1:
+            start, _ = _nearest(model, rows, bench, draft.starts)
         ties = _ties(grafts, model, start)
         free = [*bench.free, *_fitted(grafts), *_open(bench, model, ties)]
+        if draft.added and _far(model, rows, bench, start):
+            told = {"priors": _priors(bench), "ties": ties}
+            seconds = min(bench.left, bench.seconds)
+            near = grown_horizon(model, rows, free, draft.starts[-1], seconds, **told)
+            start = _nearest(model, rows, bench, [start, *([near] if near else [])])
         found = fit(
             model,
             rows,
@@ -404,10 +426,8 @@ def _nearest(
     rows: Sequence[Measurement],
     bench: Bench,
     starts: Sequence[Mapping[str, float]],
-) -> dict[str, float]:
-    """Return the parameters whose run is nearest to the data."""
-    if len(starts) == 1:
-        return dict(starts[0])
+) -> tuple[dict[str, float], float]:
+    """Return the parameters whose run is nearest to the data, and how far it is."""
     best, nearest = dict(starts[0]), math.inf
     for each in starts:
         try:
@@ -419,7 +439,21 @@ def _nearest(
             continue
         if off < nearest:
             best, nearest = dict(each), off
-    return best
+    return best, nearest
+
+
+def _far(
+    model: CompiledModel, rows: Sequence[Measurement], bench: Bench, start: Mapping[str, float]
+) -> bool:
+    """Whether a run is so far from the data that a fit may not find its way."""
+    count, off = 0, 0.0
+    for prepared, row in zip(bench.recordings, rows, strict=True):
+        count += sum(int(numpy.isfinite(prepared.plain.columns[n]).sum()) for n in prepared.signals)
+        try:
+            off += misfit(model, prepared, row, start, bench.seconds / 4)
+        except BondGraphError:
+            return True
+    return not off < FAR * count
 
 
 def misfit(

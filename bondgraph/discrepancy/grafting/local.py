@@ -5,7 +5,7 @@ from __future__ import annotations
 import sympy
 
 from ...elements import C, I, Integrator, Junction, One, Se, Sf, SignalBlock, Storage, Zero
-from ...graph import BondGraph
+from ...graph import BondGraph, GraphBond
 from ..candidates.place import Place
 from ..candidates.places import BOND, EFFORT_PAIR, FLOW_JUNCTION, FLOW_PAIR, OUTPUT
 from .places import Site
@@ -113,4 +113,41 @@ def starts(graph: BondGraph) -> dict[sympy.Basic, sympy.Expr]:
                 end = graph.elements[bond.tail]
                 if isinstance(end, shared):
                     found[end.symbols["f" if shared is One else "e"]] = element.law
+    found |= {flow: value for flow, value in _driven(graph).items() if flow not in found}
     return found | {symbol: sympy.Dummy(symbol.name) for symbol in graph.inputs}
+
+
+def _driven(graph: BondGraph) -> dict[sympy.Basic, sympy.Expr]:
+    """Return flows of 1-junctions that a flow source moves, as if compliances between were rigid.
+
+    So something that was rigid, and yields, begins as it did: unloaded, both ends at one flow.
+    """
+    found: dict[sympy.Basic, sympy.Expr] = {}
+    for label, source in graph.of(Sf):
+        edge = [(bond, label, source.flow) for bond in graph.bonds_of(label)]
+        seen = {label}
+        while edge:
+            bond, last, flow = edge.pop()
+            other = bond.head if bond.tail == last else bond.tail
+            end = graph.elements[other]
+            if other in seen or not isinstance(end, One | Zero):
+                continue
+            seen.add(other)
+            bonds = [each for each in graph.bonds_of(other) if each is not bond]
+            if isinstance(end, One):
+                found.setdefault(end.f, flow)
+                edge += [(each, other, flow) for each in bonds]
+            elif len(through := [each for each in bonds if not _yields(graph, each, other)]) == 1:
+                # at a 0-junction flows add up: along the bonds, or against both of them
+                against = (bond.head == other) == (through[0].head == other)
+                edge.append((through[0], other, -flow if against else flow))
+    return found
+
+
+def _yields(graph: BondGraph, bond: GraphBond, junction: str) -> bool:
+    """Whether a bond leads from a junction to a compliance, or to a 1-junction that has one."""
+    label = bond.head if bond.tail == junction else bond.tail
+    end = graph.elements[label]
+    beyond = (each.head if each.tail == label else each.tail for each in graph.bonds_of(label))
+    own = isinstance(end, One) and any(isinstance(graph.elements[each], C) for each in beyond)
+    return isinstance(end, C) or (own and len(graph.bonds_of(label)) > 1)

@@ -11,7 +11,11 @@ from dataclasses import dataclass
 
 import sympy
 
+<<<<<<< HEAD
 from ...elements import Friction, I, R, Se, Sf
+=======
+from ...elements import Friction, I, One, R, Se, Sf
+>>>>>>> main
 from ...equations import derive
 from ...errors import BondGraphError
 from ...graph import BondGraph
@@ -47,11 +51,15 @@ class Probe:
     signals : mapping of str to Expr
         ``flow``, ``displacement``, ``effort``, ``momentum`` as far as the site has them, in the
         graph's variables.
+    behind : Site or None
+        The 1-junction that a compliance here would set free of its flow source, and that has
+        no inertia to move by.
     """
 
     site: Site
     parameter: str
     signals: Mapping[str, sympy.Expr]
+    behind: Site | None = None
 
     @property
     def errs(self) -> bool:
@@ -113,11 +121,25 @@ def probed(graph: BondGraph, effects: Iterable[Effect]) -> Probed:
             refused.append((site.name, "it would ask for the rate of an input"))
             continue
         grown = found.graph
-        probes.append(Probe(site, found.parameters["amount"], _signals(graph, site)))
+        amount, said = found.parameters["amount"], _signals(graph, site)
+        probes.append(Probe(site, amount, said, _behind(graph, site)))
     felt = {symbol.name for symbol in derive(grown).parameters}  # what nothing depends on is not
     return Probed(
         grown, tuple(probe for probe in probes if probe.parameter in felt), tuple(refused)
     )
+
+
+def _behind(graph: BondGraph, site: Site) -> Site | None:
+    """Return the 1-junction that a bond ties to a flow source and that has no inertia."""
+    if site.kind != BOND:
+        return None
+    bond = next(each for each in graph.bonds if each.name == site.at[0])
+    for source, label in ((bond.tail, bond.head), (bond.head, bond.tail)):
+        if isinstance(graph.elements[source], Sf) and isinstance(graph.elements[label], One):
+            around = {end for each in graph.bonds_of(label) for end in (each.tail, each.head)}
+            if not any(isinstance(graph.elements[each], I) for each in around):
+                return Site(FLOW_JUNCTION, (label,), site.domain)
+    return None
 
 
 def _effect(site: Site) -> Effect:

@@ -152,6 +152,7 @@ def relaxed(
     errs: Sequence[bool],
     parameters: Mapping[str, float] | None = None,
     runs: CompiledModel | None = None,
+    rounds: int = ROUNDS,
 ) -> Relaxed:
     """Follow recordings with a model that may err at some sites, its own parameters free.
 
@@ -169,6 +170,8 @@ def relaxed(
         Values to start from.
     runs : CompiledModel, optional
         The model without probes, whose run is the first course.
+    rounds : int
+        Of smoothing; with none the courses are the model's own runs, and it hardly errs.
 
     Returns
     -------
@@ -187,7 +190,9 @@ def relaxed(
     found = Relaxed(functions, table, table.start, courses, 1.0, numpy.eye(1), numpy.inf)
     found = replace(found, ways=_ways(found, errs))
     best = found
-    for number in range(ROUNDS):
+    if not rounds:
+        return replace(found, error=ERRORS[0])
+    for number in range(rounds):
         errors = (1.0, 0.1) if number == 0 else ERRORS
         found = _stepped(found, errors, moving=False)
         better = found.likelihood < best.likelihood - 1e-3 * abs(best.likelihood)

@@ -10,6 +10,7 @@ import numpy
 
 from ...errors import SimulationError
 from ..candidates import Effect
+from ..candidates.features import Shape
 from .columns import Candidate, Columns, columns_of
 from .functions import Points
 from .linear import Along
@@ -19,6 +20,7 @@ from .relax import ERRORS, LOOSE, Course, Relaxed
 Array = numpy.ndarray
 
 LEAST_LEFT = 1e-3  # of a response, once the own parameters have done what they can
+DAMPED = 0.1  # of critical
 RIDGE = 1e-12  # of columns that are alike
 
 
@@ -129,7 +131,8 @@ def sketched(found: Relaxed, probed: Probed, effects: Iterable[Effect], pairs: i
     SimulationError
         Where nothing can be scored.
     """
-    columns = columns_of(found, probed, effects)
+    known = tuple(effects)
+    columns = columns_of(found, probed, known)
     errors = [error for error in ERRORS if error <= found.error * 1.01] or [found.error]
     reduced = []
     for error in errors:
@@ -153,13 +156,38 @@ def sketched(found: Relaxed, probed: Probed, effects: Iterable[Effect], pairs: i
         for index, first in order[:pairs]
         for item in _with_second(reduced, columns, index, beside, base)
     ]
+    inertia = next((each for each in known if each.name == "added_inertia"), None)
     return Sketch(
-        tuple(item for _, item in order),
+        tuple(_completed(item, probed, inertia) for _, item in order),
         tuple(_distinct(sorted(seconds, key=lambda item: -item.gain))),
         found,
         columns,
         tuple(reduced),
     )
+
+
+def _completed(item: Hypothesis, probed: Probed, inertia: Effect | None) -> Hypothesis:
+    """Add an inertia to what a compliance sets free of its source and nothing else would move.
+
+    Without it the junction's flow would follow from efforts at once. How fast it swings is not
+    told to first order: it starts in the middle of what the recording shows, lightly damped.
+    """
+    (first,), (amounts,) = item.candidates, item.amounts
+    behind = probed.probes[first.probe].behind
+    if behind is None or inertia is None:
+        return item
+    signals = first.signals
+    slow = numpy.sqrt(numpy.mean(signals.effort_rate**2)) / (numpy.std(signals.effort) or 1.0)
+    fast = 0.5 / float(numpy.median(numpy.diff(signals.t)))
+    swing = float(numpy.sqrt(max(slow, 1 / signals.duration) * fast))
+    stiffness = first.starts(amounts.tolist())["stiffness"]
+    coupling = {"stiffness": stiffness, "damping": 2 * DAMPED * stiffness / swing}
+    mass = {"inertance": stiffness / swing**2}
+    pair = (
+        replace(first, shape=replace(first.shape, starts=lambda amounts, signals: coupling)),
+        replace(first, effect=inertia, site=behind, shape=Shape((), lambda a, s: mass), pair=()),
+    )
+    return replace(item, candidates=pair, amounts=(amounts, numpy.zeros(0)))
 
 
 def _without_twins(

@@ -53,8 +53,8 @@ class Projector:
         free = numpy.where(codes == 0, 1.0, codes)
         by_x, by_p = self._slopes(t, x, free)
         off = (by_x @ S + by_p @ seeds)[stuck]
-        if not off.any():
-            return S
+        if not off.any() or not numpy.isfinite(off).all():
+            return S  # sensitivities that have overflowed stay so, and are seen for that
         pushes = numpy.empty((len(x), len(stuck)))
         held = self._rates(t, x, codes)
         for column, j in enumerate(stuck):
