@@ -11,11 +11,7 @@ from dataclasses import dataclass
 
 import sympy
 
-<<<<<<< HEAD
-from ...elements import Friction, I, R, Se, Sf
-=======
 from ...elements import Friction, I, One, R, Se, Sf
->>>>>>> main
 from ...equations import derive
 from ...errors import BondGraphError
 from ...graph import BondGraph
