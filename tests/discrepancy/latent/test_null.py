@@ -7,7 +7,6 @@ import pytest
 from scipy.optimize import nnls
 
 from bondgraph.discrepancy.candidates import Coefficient, Effect, resistor
-from bondgraph.discrepancy.candidates.features import Shape
 from bondgraph.discrepancy.candidates.value import FLOW
 from bondgraph.discrepancy.latent.null import threshold
 from bondgraph.discrepancy.latent.screen import _amounts
@@ -23,7 +22,7 @@ def _candidate(terms, signed):
     effect = Effect(
         "made", ("1-junction",), coefficients, {"effort": law}, resistor, "made", "none"
     )
-    return SimpleNamespace(effect=effect, shape=Shape((), dict, signed))
+    return SimpleNamespace(effect=effect, signed=(signed,) * terms)
 
 
 def _sketch(groups, signed, seed=0):
