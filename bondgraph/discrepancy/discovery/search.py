@@ -297,7 +297,7 @@ def _drafts(
     wanted = worth[:SINGLES]
     alone = wanted[0].gain if wanted else 0.0
     room = MOST - len(current.added)
-    twos = [item for item in sketch.pairs if item.gain > alone + WORTH]
+    twos = _led(sketch, alone)
     hidden = _hidden(sketch)
     pairs = [*twos[:PAIRS], *hidden[:HIDDEN]] if room > 1 else []
     drafts: list[Draft] = []
@@ -322,6 +322,22 @@ def _drafts(
             if any(item is one for one in (*wanted[:FIRST], *twos[:1], *hidden[:1], *others[:1])):
                 first.append(draft.label)
     return drafts, first
+
+
+def _led(sketch: Sketch, alone: float) -> list[Hypothesis]:
+    """Return the best pair that each of the best singles leads, where it brings more than that one.
+
+    Pairs with one effect that seems to explain much would otherwise crowd out all others.
+    """
+    rank = {item.label: place for place, item in enumerate(sketch.singles)}
+    found: dict[int, Hypothesis] = {}
+    for item in sketch.pairs:
+        places = [rank.get(member.label, len(rank)) for member in item.candidates]
+        leader = min(places)
+        worth = sketch.singles[leader].gain if leader < len(rank) else alone
+        if item.gain > worth + WORTH and leader not in found:
+            found[leader] = item
+    return [found[place] for place in sorted(found)]
 
 
 def _hidden(sketch: Sketch) -> list[Hypothesis]:

@@ -249,7 +249,7 @@ def drafted(
         for recording, start in zip(bench.recordings, draft.begins, strict=True)
     )
     start, off = _nearest(model, rows, bench, draft.starts)
-    return replace(draft, starts=(start,), off=off)
+    return replace(draft, starts=(start, *draft.starts), off=off)
 
 
 def _eased(bench: Bench, draft: Draft) -> Draft:
@@ -288,7 +288,7 @@ def fitted_from(
             for recording, start in zip(bench.recordings, draft.begins, strict=True)
         )
         start = draft.starts[0]
-        if len(draft.starts) > 1:
+        if not math.isfinite(draft.off) and len(draft.starts) > 1:
             start, _ = _nearest(model, rows, bench, draft.starts)
         ties = _ties(grafts, model, start)
         free = [*bench.free, *_fitted(grafts), *_open(bench, model, ties)]
@@ -296,7 +296,7 @@ def fitted_from(
             told = {"priors": _priors(bench), "ties": ties}
             seconds = min(bench.left, bench.seconds)
             near = grown_horizon(model, rows, free, draft.starts[-1], seconds, **told)
-            start = _nearest(model, rows, bench, [start, *([near] if near else [])])
+            start, _ = _nearest(model, rows, bench, [start, *([near] if near else [])])
         found = fit(
             model,
             rows,

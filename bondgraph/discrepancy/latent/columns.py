@@ -10,7 +10,7 @@ import sympy
 
 from ..candidates import Effect, Scale
 from ..candidates.features import Shape, Signals, turned
-from ..candidates.places import SOURCE
+from ..candidates.places import OUTPUT, SOURCE
 from ..grafting import Site
 from .functions import Functions
 from .probes import Probe, Probed
@@ -216,7 +216,8 @@ def _signals(
             key: table[f"{number}.{key}"] for key in probe.signals if f"{number}.{key}" in table
         }
         for key, rate in (("flow", "rate"), ("effort", "effort_rate")):
-            if f"{number}.{key}'" in table:
+            # what a sensor says late is what it said, not what the model would have it say
+            if f"{number}.{key}'" in table and probe.site.kind != OUTPUT:
                 given[rate] = table[f"{number}.{key}'"]
         if not given:
             return ()

@@ -27,11 +27,12 @@ EASING = (0.3, 0.3, 0.1, 0.1, 0.03, 0.03, 0.01, 0.01, 3e-3, 1e-3)
 ROUNDS = 6
 SECTION = 4096  # times that are smoothed at once
 MOST = 24576  # times in all that are screened
+ENOUGH = 8400  # times in all that a fit is eased in on
 TURN = 0.3  # rad of the fastest oscillation in a step
 LOOSE = 0.4  # of own parameters, standard deviation of their logarithm
 LEAST_TURN = 1e-9
 SEEN = 0.02  # of what is told best
-PATIENCE = 20.0  # seconds for the first course
+PATIENCE = 4.0  # seconds for the first course
 LONGEST = 0.5  # step of a parameter's logarithm
 REST = 1e-2  # error of rates that no site reaches, over that of those which one does
 
@@ -246,7 +247,8 @@ def eased(
     table = Table(model, tuple(free), dict(parameters))
     functions = Functions(derive(model.equations.graph), outputs, table.used)
     parts = _spread(
-        [part for record in records for part in _begun(model, functions, record, table)]
+        [part for record in records for part in _begun(model, functions, record, table)],
+        ENOUGH,
     )
     found = Relaxed(functions, table, table.start, parts, 1.0, numpy.eye(1), numpy.inf)
     size = numpy.concatenate([lines.rates for _, lines, _, _ in found.linear()])
@@ -325,21 +327,21 @@ def _first_states(
     return dict(zip(names, x.tolist(), strict=True))
 
 
-def _spread(courses: Sequence[Course]) -> tuple[Course, ...]:
+def _spread(courses: Sequence[Course], most: int = MOST) -> tuple[Course, ...]:
     """Keep sections of all recordings, no more than are needed to screen.
 
     The first of each recording stays, for where it starts; of the others those in which the
     recording moves most.
     """
     total = sum(len(course.grid) for course in courses)
-    if total <= MOST:
+    if total <= most:
         return tuple(courses)
     firsts = [
         i for i, c in enumerate(courses) if not i or c.record.name != courses[i - 1].record.name
     ]
     others = [i for i in range(len(courses)) if i not in firsts]
     others.sort(key=lambda i: -_movement(courses[i].record))
-    kept, room = set(firsts), MOST - sum(len(courses[i].grid) for i in firsts)
+    kept, room = set(firsts), most - sum(len(courses[i].grid) for i in firsts)
     for i in others:
         if room < len(courses[i].grid):
             break
