@@ -16,6 +16,7 @@ from ...units import to_si
 from ...values import parameter_values
 from ..candidates import Effect
 from ..candidates.table import effects as effects_of
+from ..latent.isolability import isolability
 from ..measurement import Measurement
 from ..screening.run import own_parameters
 from . import gaps as measured
@@ -253,6 +254,7 @@ def _told(
         ),
         unseen=unseen_words(shown.fit),
         advice=advice_for(bench, found, said),
+        alike=isolability(found.sketches[0]).classes,
         warnings=tuple(dict.fromkeys(warnings)),
         recordings=tuple(rows),
         held_out=tuple(tests),

@@ -10,6 +10,7 @@ import sympy
 
 from ...elements import One, Zero
 from ...equations import Equations
+from ...graph import BondGraph
 from ..screening.classes import SAME, Splitter, ambiguity_classes, splitters
 from .functions import Functions
 from .linear import along
@@ -91,12 +92,16 @@ def isolability(sketch: Sketch, same: float = SAME) -> Isolability:
     return Isolability(labels, cosines, classes, tuple(hidden))
 
 
-def splitting(sketch: Sketch, members: Sequence[str], same: float = SAME) -> list[Splitter]:
+def splitting(
+    sketch: Sketch, graph: BondGraph, members: Sequence[str], same: float = SAME
+) -> list[Splitter]:
     """Rank signals that are not measured by how well they would split a class.
 
     Parameters
     ----------
     sketch : Sketch
+    graph : BondGraph
+        The one that was screened, without probes.
     members : sequence of str
         Labels of one class.
     same : float
@@ -107,7 +112,7 @@ def splitting(sketch: Sketch, members: Sequence[str], same: float = SAME) -> lis
         Outputs, displacements and what junctions carry; best first, empty where none does.
     """
     known = sketch.relaxed.functions
-    equations, names = _wider(known.equations, known.outputs)
+    equations, names = _wider(known.equations, graph, known.outputs)
     functions = Functions(equations, names, known.wanted)
     found = replace(sketch.relaxed, functions=functions)
     chosen = _chosen(sketch)
@@ -189,12 +194,14 @@ def _mixing(sketch: Sketch, chosen: Sequence[int]) -> Array:
     return mixed
 
 
-def _wider(equations: Equations, measured: Sequence[str]) -> tuple[Equations, tuple[str, ...]]:
+def _wider(
+    equations: Equations, graph: BondGraph, measured: Sequence[str]
+) -> tuple[Equations, tuple[str, ...]]:
     """Return equations with more outputs: displacements and what junctions carry."""
     found: dict[str, sympy.Expr] = {
         state.name: state for state in equations.states if state.name.endswith(".q")
     }
-    for label, element in equations.graph.elements.items():
+    for label, element in graph.elements.items():
         carried = f"{label}.f" if isinstance(element, One) else f"{label}.e"
         if isinstance(element, One | Zero) and carried in equations.ports:
             found[carried] = equations.ports[carried]

@@ -20,6 +20,7 @@ def test_of_a_class_the_signal_that_splits_it_is_advised():
     biased = lacking("sensor_bias", "output x", {"offset": 5e-3})
     both = told(biased, ("sensor_bias", "effort_bias", "quadratic_drag"), ("x",))
     assert both.verdict == "ambiguous" and len(both.advice) <= 4
+    assert any({"sensor_bias at output x", "effort_bias at carriage"} <= set(c) for c in both.alike)
     first = both.advice[0]
     assert first.startswith("measure spring.q:")
     assert "sensor_bias at output x" in first and "effort_bias at carriage" in first

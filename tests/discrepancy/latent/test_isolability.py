@@ -48,7 +48,9 @@ def test_an_offset_and_a_force_are_one_class_where_only_the_position_is_known(bi
 
 
 def test_the_true_position_would_split_them(biased):
-    assert "spring.q" in [item.signal for item in splitting(biased, (FORCE, OFFSET))]
+    assert "spring.q" in [
+        item.signal for item in splitting(biased, MACHINES["mass_spring"](), (FORCE, OFFSET))
+    ]
 
 
 def test_a_weaker_demand_makes_larger_classes(biased):
