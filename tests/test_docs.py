@@ -14,6 +14,8 @@ BLOCK = re.compile(r"^```python\n(.*?)^```", re.DOTALL | re.MULTILINE)
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
 def test_examples_run(page, tmp_path, monkeypatch):
+    """Pages are read in the project's folder, where the recordings are; what they write is not kept."""
+    (tmp_path / "tests").symlink_to(ROOT / "tests")
     monkeypatch.chdir(tmp_path)
     scope: dict[str, object] = {"__name__": "example"}
     text = page.read_text(encoding="utf-8")

@@ -154,6 +154,11 @@ class Bench:
         """Seconds."""
         return max(self.deadline - time.monotonic(), 1.0)
 
+    @property
+    def late(self) -> bool:
+        """Whether no more is to be begun."""
+        return time.monotonic() > self.deadline
+
 
 @dataclass(frozen=True, eq=False)
 class Draft:
@@ -432,7 +437,7 @@ def _nearest(
     for each in starts:
         try:
             off = sum(
-                misfit(model, prepared, row, each, bench.seconds / 4)
+                misfit(model, prepared, row, each, bench.seconds / 8)
                 for prepared, row in zip(bench.recordings, rows, strict=True)
             )
         except BondGraphError:
@@ -450,7 +455,7 @@ def _far(
     for prepared, row in zip(bench.recordings, rows, strict=True):
         count += sum(int(numpy.isfinite(prepared.plain.columns[n]).sum()) for n in prepared.signals)
         try:
-            off += misfit(model, prepared, row, start, bench.seconds / 4)
+            off += misfit(model, prepared, row, start, bench.seconds / 8)
         except BondGraphError:
             return True
     return not off < FAR * count
