@@ -234,10 +234,12 @@ def _signals(graph: BondGraph, site: Site) -> dict[str, sympy.Expr]:
         way = relative(graph, *site.at) if pair else displacement(graph, site.at[0])
         return found if way is None else found | {"displacement": way}
     if site.kind == SOURCE:
-        signal = first.effort if isinstance(first, Se) else first.flow
-        return {"effort": signal}
+        if isinstance(first, Se):
+            return {"effort": first.effort}
+        assert isinstance(first, Sf)
+        return {"effort": first.flow}
     found = {"flow": first.symbols["f"], "effort": first.symbols["e"]}
-    return found | {"momentum": first.p} if site.kind == INERTIA else found
+    return found | {"momentum": first.p} if isinstance(first, I) else found
 
 
 def _bond_effort(graph: BondGraph, name: str) -> sympy.Expr:
