@@ -5,7 +5,7 @@ An effect is a frozen value: where it fits, its law, its parameters and what bui
 """
 
 from .builders import resistor, source, spring
-from .features import Feature, Signals, lagged, play, stop
+from .features import Feature, Shape, Signals, lagged, play, stop
 from .place import Change, Place
 from .table import EFFECTS, effects
 from .value import (
@@ -34,6 +34,7 @@ __all__ = [
     "Place",
     "SIGNAL",
     "Scale",
+    "Shape",
     "Signals",
     "effects",
     "lagged",

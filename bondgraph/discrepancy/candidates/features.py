@@ -69,7 +69,10 @@ class Signals:
     def together(cls, parts: Sequence[Signals]) -> tuple[Signals, ...]:
         """Return signals of several recordings whose ranges are those of all of them."""
         names = ("t", "flow", "displacement", "effort", "rate", "effort_rate", "momentum")
-        whole = cls(*(numpy.concatenate([getattr(s, name) for s in parts]) for name in names))
+        t, flow, way, effort, rate, effort_rate, momentum = (
+            numpy.concatenate([getattr(part, name) for part in parts]) for name in names
+        )
+        whole = cls(t, flow, way, effort, rate, effort_rate, momentum)
         return tuple(replace(part, whole=whole) for part in parts)
 
     def _all(self, name: str) -> Array:

@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from collections.abc import Callable, Mapping
 
 import numpy
 import sympy
 
 from ..candidates.value import DISPLACEMENT, EFFORT, FLOW, Effect
+from ..grafting import Grafted
 from ..latent.linear import along
 from ..latent.screen import Sketch
-from .trial import Trial
+from .trial import Added, Trial
 from .value import LearnedLaw
 
 Array = numpy.ndarray
+Law = Callable[[Array, Mapping[str, float]], Array]
 
 POINTS = 300
 GRID = 121
@@ -45,32 +47,27 @@ def learned(sketch: Sketch, trial: Trial) -> tuple[LearnedLaw, ...]:
     """
     found = []
     for item, grafted in zip(trial.added, trial.grafts, strict=True):
-        known = next((axes for axes in _AXES if _is_of(item.effect, axes[0], axes[1])), None)
+        known = law_of(item.effect)
         candidate = next((c for c in sketch.columns.candidates if c.label == item.label), None)
         if known is None or candidate is None:
             continue
-        key, variable, across, along_ = known
-        signals = candidate.signals
-        x = {"flow": signals.flow, "displacement": signals.displacement}.get(across, signals.effort)
+        across, along_, law = known
+        x = getattr(candidate.signals, across)
         if not numpy.isfinite(x).all():
             continue
-        values = {
-            name: trial.values.get(parameter, item.starts.get(name, math.nan))
-            for name, parameter in grafted.parameters.items()
-        }
+        values = coefficients(item, grafted, trial)
         std = {
             name: trial.fit.std.get(parameter, 0.0)
             for name, parameter in grafted.parameters.items()
         }
         grid = numpy.linspace(float(x.min()), float(x.max()), GRID)
-        law = _function(item.effect, key, variable)
         y = law(grid, values)
         band = numpy.zeros(GRID)
         for name, spread in std.items():
             step = STEP * (abs(values[name]) or 1.0)
             slope = (law(grid, values | {name: values[name] + step}) - y) / step
             band += numpy.where(slope == 0, 0.0, (slope * spread)) ** 2
-        points = _points(sketch, candidate.probe, x)
+        points = latent_points(sketch, candidate.probe, x)
         place = f"{across} at {item.site.name}"
         found.append(
             LearnedLaw(
@@ -87,6 +84,43 @@ def learned(sketch: Sketch, trial: Trial) -> tuple[LearnedLaw, ...]:
     return tuple(found)
 
 
+def coefficients(item: Added, grafted: Grafted, trial: Trial) -> dict[str, float]:
+    """Return the coefficients of one effect of a trial by their own names; NaN where unknown."""
+    return {
+        name: trial.values.get(parameter, item.starts.get(name, math.nan))
+        for name, parameter in grafted.parameters.items()
+    }
+
+
+def law_of(effect: Effect) -> tuple[str, str, Law] | None:
+    """Return what an effect's law is a function of, what it decides, and the function.
+
+    Parameters
+    ----------
+    effect : Effect
+
+    Returns
+    -------
+    across, along : str
+        ``flow``, ``displacement`` or ``effort``.
+    law : callable
+        From values of across and coefficients by name to those of along.
+
+    None where the law depends on more than one variable, or on the past.
+
+    Examples
+    --------
+    >>> from bondgraph.discrepancy.candidates import EFFECTS
+    >>> across, along, law = law_of(EFFECTS["cubic_stiffness"])
+    >>> across, along, law(numpy.array([-2.0, 1.0]), {"cubic": 3.0}).tolist()
+    ('displacement', 'effort', [-24.0, 3.0])
+    """
+    for key, variable, across, along_ in _AXES:
+        if _is_of(effect, key, variable):
+            return across, along_, _function(effect, key, variable)
+    return None
+
+
 def _is_of(effect: Effect, key: str, variable: sympy.Symbol) -> bool:
     law = effect.law.get(key)
     if law is None:
@@ -95,7 +129,7 @@ def _is_of(effect: Effect, key: str, variable: sympy.Symbol) -> bool:
     return ports == {variable} or (key == "kinetic" and ports <= {FLOW})
 
 
-def _function(effect: Effect, key: str, variable: sympy.Symbol) -> Any:
+def _function(effect: Effect, key: str, variable: sympy.Symbol) -> Law:
     law = effect.law[key]
     if key == "energy":
         law = sympy.diff(law, DISPLACEMENT)
@@ -104,15 +138,31 @@ def _function(effect: Effect, key: str, variable: sympy.Symbol) -> Any:
     names = list(effect.symbols)
     plain = sympy.lambdify([variable, *(effect.symbols[name] for name in names)], law, "numpy")
 
-    def evaluate(x: Array, values: dict[str, float]) -> Array:
+    def evaluate(x: Array, values: Mapping[str, float]) -> Array:
         with numpy.errstate(all="ignore"):
             return numpy.broadcast_to(plain(x, *(values[name] for name in names)), x.shape) * 1.0
 
     return evaluate
 
 
-def _points(sketch: Sketch, probe: int, x: Array) -> Array:
-    """Return the effort or flow that the smoother needs at the site, in bins over x."""
+def latent_points(sketch: Sketch, probe: int, x: Array, count: int = POINTS) -> Array:
+    """Return the effort or flow that the smoother needs at a site, averaged in parts of x.
+
+    Parameters
+    ----------
+    sketch : Sketch
+    probe : int
+        Of the site.
+    x : (nt,) array
+        At all times of all courses.
+    count : int
+        Of the parts, each with as many times.
+
+    Returns
+    -------
+    (count, 2) array
+        Means of x, rising, and of the effort or flow.
+    """
     found = sketch.relaxed
     used = len(found.table.used)
     amounts = []
@@ -132,7 +182,7 @@ def _points(sketch: Sketch, probe: int, x: Array) -> Array:
         amounts.append(numpy.append(amount, amount[-1:]))
     y = numpy.concatenate(amounts)
     order = numpy.argsort(x, kind="stable")
-    parts = numpy.array_split(order, min(POINTS, len(order)))
+    parts = numpy.array_split(order, min(count, len(order)))
     return numpy.array([[x[part].mean(), y[part].mean()] for part in parts])
 
 

@@ -124,6 +124,28 @@ def _spread(t: Array, times: Array, values: Array) -> Array:
     return found
 
 
+def distinct(measurements: Sequence[Measurement]) -> list[Measurement]:
+    """Number recordings that share a name, which is what they are told apart by.
+
+    Examples
+    --------
+    >>> rows = [Measurement([0, 1], {"v": [0, 1]}) for _ in range(2)]
+    >>> [row.name for row in distinct(rows)]
+    ['measurement 1', 'measurement 2']
+    """
+    names = [row.name for row in measurements]
+    taken, found = set(names), []
+    for row in measurements:
+        if names.count(row.name) > 1:
+            number = next(
+                i for i in range(1, len(names) + len(taken) + 1) if f"{row.name} {i}" not in taken
+            )
+            taken.add(f"{row.name} {number}")
+            row = row.changed(name=f"{row.name} {number}")
+        found.append(row)
+    return found
+
+
 def held_out(
     measurements: Sequence[Measurement],
 ) -> tuple[list[Measurement], list[Measurement], str]:

@@ -16,6 +16,7 @@ from ...units import to_si
 from ...values import parameter_values
 from ..candidates import Effect
 from ..candidates.table import effects as effects_of
+from ..latent.isolability import isolability
 from ..measurement import Measurement
 from ..screening.run import own_parameters
 from . import gaps as measured
@@ -24,7 +25,7 @@ from .judge import ABOVE, Judgement, judged
 from .laws import learned
 from .outliers import cleared
 from .outside import advice_for, relaxed_starts
-from .prepare import Prepared, held_out, prepared
+from .prepare import Prepared, distinct, held_out, prepared
 from .search import Found, near_noise, searched, starts_of
 from .trial import Bench, Trial
 from .value import Discovery, Estimate, Explanation, NamedEffect
@@ -116,6 +117,8 @@ def discover(
     tests = [validation] if isinstance(validation, Measurement) else list(validation)
     if not rows:
         raise MeasurementError("there is no measurement to learn from; give one or more")
+    named = distinct([*rows, *tests])
+    rows, tests = named[: len(rows)], named[len(rows) :]
     warnings: list[str] = []
     if not tests:
         rows, tests, words = held_out(rows)
@@ -256,6 +259,7 @@ def _told(
         ),
         unseen=unseen_words(shown.fit),
         advice=advice_for(bench, found, said),
+        alike=isolability(found.sketches[0]).classes,
         warnings=tuple(dict.fromkeys(warnings)),
         recordings=tuple(rows),
         held_out=tuple(tests),

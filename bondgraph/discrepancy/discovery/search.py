@@ -32,7 +32,7 @@ SETTLED = 150  # steps of the last fit
 SINGLES, PAIRS, HIDDEN = 10, 4, 3  # eased in each round
 FIRST, FITTED = 2, 3  # of them fitted by runs: the first of the sketch, the best eased ones
 HOPELESS = 50.0  # behind one that reaches the noise, by twice the logarithm of the likelihood
-SHORTEST, TIMES = 8.0, 8.0  # a fit may take so many seconds, or times as long as the base
+SHORTEST, TIMES = 8.0, 3.0  # a fit may take so many seconds, or times as long as the base
 WORTH = 10.0  # drop of the criterion that an effect has to bring: odds of 150 to 1
 
 
@@ -126,6 +126,11 @@ def searched(bench: Bench, signals: Sequence[str], effects: Sequence[Effect], te
         current = better
         if len(current.added) >= MOST or near_noise(current, bench):
             break
+        if bench.late:
+            warnings.append(
+                "the seconds allowed were used up: not all was tried; raise time_budget"
+            )
+            break
         tell(f"screening again beside {current.label}")
         try:
             guesses = [row.initial for row in current.measurements]
@@ -195,7 +200,7 @@ def _sketched(
     guesses: Sequence[Mapping[str, float]] = (),
     **options: int,
 ) -> Sketch:
-    probes = probed(graph, effects)
+    probes = probed(graph, effects, bench.graph)
     model = CompiledModel(probes.graph)
     if model.equations.algebraic:
         raise SimulationError(
@@ -266,6 +271,8 @@ def _refitted(
             continue
         if place >= FITTED and draft.label not in first:
             continue
+        if bench.late:
+            break
         tell(f"fitting {draft.label}")
         trial = fitted_from(bench, draft)
         if isinstance(trial, Trial):
@@ -310,6 +317,8 @@ def _drafts(
         if label in done or len(added) <= len(current.added):
             continue
         done.add(label)
+        if bench.late:
+            break
         tell(f"trying {label}")
         own = [
             _own(beside if beside and item in others else sketch, item),

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy
 
-from ...errors import BondGraphError, SimulationError
+from ...errors import BondGraphError
 from ...graph import BondGraph
 from ...simulation import CompiledModel, simulate
 from ..candidates import Effect
@@ -154,6 +154,11 @@ class Bench:
         """Seconds."""
         return max(self.deadline - time.monotonic(), 1.0)
 
+    @property
+    def late(self) -> bool:
+        """Whether no more is to be begun."""
+        return time.monotonic() > self.deadline
+
 
 @dataclass(frozen=True, eq=False)
 class Draft:
@@ -232,8 +237,6 @@ def drafted(
         model = CompiledModel(graph)
     except BondGraphError as error:
         return error
-    if model.equations.algebraic:
-        return SimulationError("it leaves efforts and flows that follow from each other at once")
     new = {
         graft_.parameters[key]: float(value)
         for graft_, item in zip(grafts, added, strict=True)
@@ -432,7 +435,7 @@ def _nearest(
     for each in starts:
         try:
             off = sum(
-                misfit(model, prepared, row, each, bench.seconds / 4)
+                misfit(model, prepared, row, each, bench.seconds / 8)
                 for prepared, row in zip(bench.recordings, rows, strict=True)
             )
         except BondGraphError:
@@ -450,7 +453,7 @@ def _far(
     for prepared, row in zip(bench.recordings, rows, strict=True):
         count += sum(int(numpy.isfinite(prepared.plain.columns[n]).sum()) for n in prepared.signals)
         try:
-            off += misfit(model, prepared, row, start, bench.seconds / 4)
+            off += misfit(model, prepared, row, start, bench.seconds / 8)
         except BondGraphError:
             return True
     return not off < FAR * count

@@ -218,6 +218,8 @@ class Discovery:
         What the data cannot tell.
     advice : tuple of str
         What to measure next.
+    alike : tuple of tuple of str
+        Effects at sites that these data cannot tell apart, to first order, were one of them missing.
     warnings : tuple of str
     recordings, held_out : tuple of Measurement
         What was used to learn, and to test.
@@ -240,6 +242,7 @@ class Discovery:
     words: tuple[str, ...]
     unseen: tuple[str, ...] = ()
     advice: tuple[str, ...] = ()
+    alike: tuple[tuple[str, ...], ...] = ()
     warnings: tuple[str, ...] = ()
     recordings: tuple[Measurement, ...] = field(default=(), repr=False)
     held_out: tuple[Measurement, ...] = field(default=(), repr=False)

@@ -81,13 +81,15 @@ class Probed:
     refused: tuple[tuple[str, str], ...]
 
 
-def probed(graph: BondGraph, effects: Iterable[Effect]) -> Probed:
+def probed(graph: BondGraph, effects: Iterable[Effect], within: BondGraph | None = None) -> Probed:
     """Put a probe at every site that one of the effects fits.
 
     Parameters
     ----------
     graph : BondGraph
     effects : iterable of Effect
+    within : BondGraph, optional
+        Only at sites that this graph has too: not inside an effect that was grown in before.
 
     Returns
     -------
@@ -105,8 +107,9 @@ def probed(graph: BondGraph, effects: Iterable[Effect]) -> Probed:
     known = tuple(effects)
     grown, probes, refused = graph, [], []
     rates = set(derive(graph).input_rates)
+    names = {site.name for site in sites(within or graph)}
     for site in sites(graph):
-        if not any(site.fits(effect) for effect in known):
+        if not any(site.fits(effect) for effect in known) or site.name not in names:
             continue
         try:
             found = graft(grown, _effect(site), site, name=None, parameters={"amount": 0.0})
@@ -231,10 +234,12 @@ def _signals(graph: BondGraph, site: Site) -> dict[str, sympy.Expr]:
         way = relative(graph, *site.at) if pair else displacement(graph, site.at[0])
         return found if way is None else found | {"displacement": way}
     if site.kind == SOURCE:
-        signal = first.effort if isinstance(first, Se) else first.flow
-        return {"effort": signal}
+        if isinstance(first, Se):
+            return {"effort": first.effort}
+        assert isinstance(first, Sf)
+        return {"effort": first.flow}
     found = {"flow": first.symbols["f"], "effort": first.symbols["e"]}
-    return found | {"momentum": first.p} if site.kind == INERTIA else found
+    return found | {"momentum": first.p} if isinstance(first, I) else found
 
 
 def _bond_effort(graph: BondGraph, name: str) -> sympy.Expr:

@@ -306,8 +306,9 @@ def _begun(
         grid = Grid(
             whole.t[part], whole.samples[inside] - first, whole.before[part], whole.after[part]
         )
-        own = replace(record, t=record.t[inside], measured=record.measured[inside])
-        yield Course(own, grid, x[part], start if first == 0 else numpy.full(len(names), numpy.nan))
+        section = replace(record, t=record.t[inside], measured=record.measured[inside])
+        begun = start if first == 0 else numpy.full(len(names), numpy.nan)
+        yield Course(section, grid, x[part], begun)
 
 
 def _first_states(

@@ -238,11 +238,11 @@ def _reduced(found: Relaxed, columns: Columns, error: float) -> Reduced:
     slopes = found.table.slopes(found.values)
     for (course, lines, before, after), values in zip(found.linear(), columns.values, strict=True):
         forced, felt = _responses(course, lines, (before, after), values, columns, used)
-        own = lines.forced[:, :, :used] @ slopes, lines.felt[:, :, :used] @ slopes
-        whole = lines.with_columns(
-            numpy.concatenate([own[0], forced], axis=2), numpy.concatenate([own[1], felt], axis=2)
+        table = lines.with_columns(
+            numpy.concatenate([lines.forced[:, :, :used] @ slopes, forced], axis=2),
+            numpy.concatenate([lines.felt[:, :, :used] @ slopes, felt], axis=2),
         )
-        part = found.moved(course, whole, error)
+        part = found.moved(course, table, error)
         rows = numpy.asarray(numpy.linalg.qr(numpy.vstack([rows, part.rows]), mode="r"))
         log_det, count = log_det + part.log_det, count + part.count
     size = numpy.linalg.norm(rows[:, :p], axis=0)

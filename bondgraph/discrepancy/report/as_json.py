@@ -64,6 +64,7 @@ def to_json(found: Discovery, improved_model: str | None = None) -> dict[str, An
         "diff": list(found.diff),
         "unseen": list(found.unseen),
         "advice": list(found.advice),
+        "alike": [list(members) for members in found.alike],
         "warnings": list(found.warnings),
         "recordings": [run.name for run in found.recordings],
         "held_out": [run.name for run in found.held_out],

@@ -59,11 +59,27 @@ def told_sections(found: Discovery, remark: str = "") -> list[Section]:
         "What to measure next": found.advice,
         "Warnings": (*found.warnings, *filter(None, [remark])),
     }
-    return [
+    sections = [
         Section(title, (Bullets(tuple(dict.fromkeys(lines))),))
         for title, lines in parts.items()
         if lines
     ]
+    if found.alike:
+        sections.insert(bool(found.unseen), _alike_section(found.alike))
+    return sections
+
+
+def _alike_section(classes: Sequence[Sequence[str]]) -> Section:
+    """List effects whose traces in these recordings are alike."""
+    rows = tuple((str(len(members)), ", ".join(members)) for members in classes[:MOST])
+    note = (
+        "To first order, with the model's own parameters free: had the one been missing, the others "
+        "would explain it nearly as well."
+    )
+    return Section(
+        "What these data cannot tell apart",
+        (Table(("effects", "at their sites"), rows, "rl"), Text(note, "note")),
+    )
 
 
 def done_section(found: Discovery) -> Section:

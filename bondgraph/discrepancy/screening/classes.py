@@ -91,7 +91,8 @@ def splitters(
     for name, responses in extra.items():
         own = None if parameters is None else parameters.get(name)
         alone = scored(numpy.zeros(len(responses)), responses[:, list(members)], own)
-        off = numpy.abs(alone.correlation - numpy.eye(len(members)))
+        off = numpy.abs(alone.correlation)
+        numpy.fill_diagonal(off, 0.0)  # also of one that does not show, which tells it apart
         blind = (alone.left == 0).sum() > 1  # two of them do not show in it at all
         likeness = 1.0 if blind else float(off.max(initial=0.0))
         if likeness <= same:

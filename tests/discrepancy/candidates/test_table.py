@@ -97,16 +97,76 @@ def test_resistive_laws_take_power_at_all_flows(effect):
                 assert float(number * there) >= 0
 
 
-@ALL
-def test_features_are_columns_that_differ(effect):
+def _moving():
     t = numpy.linspace(0, 4, 400)
     flow = numpy.sin(3 * t) + 0.4 * numpy.cos(5 * t)
-    signals = Signals.of(t, flow=flow, effort=2 * flow + numpy.cos(7 * t))
-    columns = [feature.evaluate(signals) for feature in effect.features]
-    assert columns, "nothing to screen it with"
-    assert all(column.shape == t.shape and numpy.isfinite(column).all() for column in columns)
-    for first, second in itertools.combinations(columns, 2):
-        assert abs(numpy.corrcoef(first, second)[0, 1]) < 0.9999
+    return Signals.of(t, flow=flow, effort=2 * flow + numpy.cos(7 * t), momentum=3 * flow)
+
+
+@ALL
+def test_forms_are_columns_that_differ(effect):
+    signals = _moving()
+    assert effect.forms, "nothing to screen it with"
+    for shape in effect.forms:
+        columns = [feature.evaluate(signals) for feature in shape.features]
+        assert columns
+        assert all(column.shape == signals.t.shape for column in columns)
+        assert all(numpy.isfinite(column).all() and numpy.any(column) for column in columns)
+        for first, second in itertools.combinations(columns, 2):
+            assert abs(numpy.corrcoef(first, second)[0, 1]) < 0.9999
+
+
+@ALL
+def test_forms_of_one_effect_differ(effect):
+    """Two forms that span the same would be scored twice for nothing."""
+    signals = _moving()
+    tables = [
+        numpy.column_stack([feature.evaluate(signals) for feature in shape.features])
+        for shape in effect.forms
+    ]
+    for one, other in itertools.combinations(tables, 2):
+        if one.shape == other.shape:
+            left = other - one @ numpy.linalg.lstsq(one, other, rcond=None)[0]
+            assert numpy.linalg.norm(left) > 1e-3 * numpy.linalg.norm(other)
+
+
+@ALL
+def test_forms_start_from_the_amounts_of_their_columns(effect):
+    names = {item.name for item in effect.coefficients}
+    for shape in effect.forms:
+        for size in (0.5, -0.5) if shape.signed else (0.5,):
+            started = shape.starts([size] * len(shape.features), _moving())
+            assert started and set(started) <= names
+            assert all(math.isfinite(value) for value in started.values())
+            assert not effect.physical(started)
+
+
+@pytest.mark.parametrize("amount", [0.3, 5.0])
+@pytest.mark.parametrize(
+    "effect",
+    [
+        e
+        for e in EFFECTS.values()
+        if set(e.law) & {"effort", "flow"}
+        and not (e.states or e.shapes)
+        and e.linear
+        and e.sites != ("inertia",)
+    ],
+    ids=lambda effect: effect.name,
+)
+def test_a_form_times_its_amount_is_the_law(effect, amount):
+    """What screening regresses on is what the element does, with the coefficients it starts from."""
+    signals = _moving()
+    (shape,) = effect.forms
+    values = effect.start() | shape.starts([amount] * len(shape.features), signals)
+    (column,) = (feature.evaluate(signals) for feature in shape.features)
+    law = effect.law["effort" if "effort" in effect.law else "flow"]
+    plain = sympy.lambdify([FLOW, EFFORT, DISPLACEMENT, *effect.symbols.values()], law, "numpy")
+    given = [values[name] for name in effect.symbols]
+    told = plain(signals.flow, signals.effort, signals.displacement, *given)
+    told = told if effect.passive else -told  # a source gives, and columns are what is taken
+    near = 0.05 if effect.name == "orifice_flow" else 1e-9  # laminar at small pressures
+    assert numpy.linalg.norm(amount * column - told) <= near * amount * numpy.linalg.norm(column)
 
 
 @pytest.mark.parametrize(

@@ -168,6 +168,7 @@ def named():
         ),
         unseen=("m and k only as a ratio",),
         advice=("push harder at low speed",),
+        alike=(("coulomb_friction at carriage", "stribeck_friction at carriage"),),
         warnings=("train.csv: input 'push' is taken as straight lines between samples",),
         recordings=(train,),
         held_out=(held,),

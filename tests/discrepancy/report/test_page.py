@@ -66,6 +66,7 @@ def test_chapters_follow_the_verdict(report):
         "The model&#x27;s own parameters",
         "What else was tried",
         "What the data cannot tell",
+        "What these data cannot tell apart",
         "What to measure next",
         "Warnings",
         "What was done",
@@ -74,6 +75,7 @@ def test_chapters_follow_the_verdict(report):
     assert page.text.index(found.words[1]) < page.text.index("How far the model is off")
     for line in (*found.words, *found.unseen, *found.advice, *found.warnings):
         assert line in page.text
+    assert all(", ".join(members) in page.text for members in found.alike)
 
 
 def test_effects_stand_with_site_parameters_law_and_source(report):
@@ -206,7 +208,15 @@ def test_what_is_missing_leaves_no_hole(tmp_path):
 @pytest.mark.filterwarnings("error")
 def test_nothing_at_all_is_still_a_page(tmp_path):
     bare = {"train": (), "validation": (), "ranked": (), "recordings": (), "held_out": ()}
-    told = {"words": (), "unseen": (), "advice": (), "warnings": (), "gap": {}, "parameters": {}}
+    told = {
+        "words": (),
+        "unseen": (),
+        "advice": (),
+        "alike": (),
+        "warnings": (),
+        "gap": {},
+        "parameters": {},
+    }
     written = write_report(replace(made.nothing(), **bare, **told), tmp_path)
     text = written.page.read_text(encoding="utf-8")
     assert titles(text) == ["How far the model is off", "The model", "What was done"]
@@ -242,6 +252,7 @@ def test_whatever_comes_from_outside_is_escaped(tmp_path):
     )
     law = replace(found.laws[0], effect=evil, across=evil, along=evil, units=(evil, evil))
     told = dict.fromkeys(("words", "unseen", "advice", "warnings"), (evil,))
+    told["alike"] = ((evil, evil),)
     dirty = replace(
         found,
         effects=(effect,),
