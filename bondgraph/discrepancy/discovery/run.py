@@ -32,6 +32,7 @@ from .value import Discovery, Estimate, Explanation, NamedEffect
 from .verdict import Verdict
 from .words import unseen_words, verdict_words
 
+AS_GOOD = 0.1  # share of the gap by which a number may be behind an effect
 RIVALS = 4  # tested on held-out data beside the best
 
 
@@ -230,14 +231,20 @@ def _told(
         for name, item in gap["train"].items()
     ) and not near_noise(base, bench)
     said = judged(bench, base, best, found.trials, share, near, above)
-    order = [best, *(t for t in ordered if t is not best), *([base] if best.added else [])]
+    loose = _number_off(bench, held, starts, found, tested)
+    if loose is not None:
+        number_share = gap_share(explained, loose, tested, gap_of, scale)
+        if number_share >= explained[id(best)] - AS_GOOD:
+            said = Judgement(Verdict.NONE, (loose,), (_number_words(found),))
+            warnings = [*warnings, _number_words(found)]
+            best = loose
+    order = [best, *(t for t in ordered if t is not best), *([base] if best is not base else [])]
     ranked = tuple(
         _explanation(base, trial, gap_share(explained, trial, tested, gap_of, scale), said)
         for trial in order
     )
-    shown = best if said.verdict is not Verdict.NONE else base
-    if shown is base:
-        gap, share = gap_of(base), 0.0
+    shown = best if said.verdict is not Verdict.NONE or best is loose else base
+    gap, share = gap_of(shown), explained[id(shown)]
     first = next(item for item, trial in zip(ranked, order, strict=True) if trial is shown)
     named = _named(base, said)
     return Discovery(
@@ -264,6 +271,30 @@ def _told(
         recordings=tuple(rows),
         held_out=tuple(tests),
         seconds=time.monotonic() - began,
+    )
+
+
+def _number_off(
+    bench: Bench,
+    held: Sequence[Prepared],
+    starts: Sequence[Mapping[str, float]],
+    found: Found,
+    tested: dict[int, measured.Tested],
+) -> Trial | None:
+    """Return the model by itself with a number of a law loose, tested; None where that is no answer."""
+    if found.constant is None:
+        return None
+    trial = found.constant.trial
+    tested[id(trial)] = measured.tested(bench, trial, held, starts)
+    return trial
+
+
+def _number_words(found: Found) -> str:
+    assert found.constant is not None
+    number = found.constant
+    return (
+        f"with the number of {number.element!r} {number.factor:.3g} +- {number.std:.2g} times what "
+        f"the model has, it explains the recordings as well as {found.best.label}"
     )
 
 
