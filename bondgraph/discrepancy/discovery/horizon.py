@@ -55,9 +55,11 @@ def grown_horizon(
     """
     values, reached = dict(start), False
     for share in SHARES:
-        parts = [row.between(row.t[0], row.t[0] + share * (row.t[-1] - row.t[0])) for row in rows]
-        if min(map(len, parts)) < max(FEWEST, 2 * len(free)):
+        ends = [float(row.t[0] + share * (row.t[-1] - row.t[0])) for row in rows]
+        least = min(int((row.t <= end).sum()) for row, end in zip(rows, ends, strict=True))
+        if least < max(FEWEST, 2 * len(free)):
             continue
+        parts = [row.between(row.start, end) for row, end in zip(rows, ends, strict=True)]
         try:
             found = fit(
                 model,
