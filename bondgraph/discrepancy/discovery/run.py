@@ -187,7 +187,8 @@ def _told(
     starts = relaxed_starts(found.sketches[0].relaxed, held)
     ordered = sorted(found.trials, key=lambda trial: -delta_bic(base, trial))
     tested = {id(base): measured.tested(bench, base, held, starts)}
-    for trial in [best, *[t for t in ordered if t is not best][:RIVALS]]:
+    parts = [trial for trial in ordered if _part_of(trial, best)]
+    for trial in [best, *parts, *[t for t in ordered if t is not best][:RIVALS]]:
         if id(trial) not in tested:
             tested[id(trial)] = measured.tested(bench, trial, held, starts)
     given = {
@@ -210,8 +211,13 @@ def _told(
             ),
         }
 
-    gap = gap_of(best)
-    share = measured.removed(gap["validation"], scale)
+    explained = {id(base): 0.0}
+    for trial in (*parts, best):
+        gap_share(explained, trial, tested, gap_of, scale)
+    # an effect that new data do not ask for is left out
+    enough = [trial for trial in parts if explained[id(trial)] >= explained[id(best)]]
+    best = max(enough, key=lambda trial: explained[id(trial)], default=best)
+    gap, share = gap_of(best), explained[id(best)]
     near = max(
         (item.after / floors[name] for name, item in gap["train"].items() if floors[name] > 0),
         default=math.inf,
@@ -221,7 +227,6 @@ def _told(
         for name, item in gap["train"].items()
     ) and not near_noise(base, bench)
     said = judged(bench, base, best, found.trials, share, near, above)
-    explained = {id(best): share, id(base): 0.0}
     order = [best, *(t for t in ordered if t is not best), *([base] if best.added else [])]
     ranked = tuple(
         _explanation(base, trial, gap_share(explained, trial, tested, gap_of, scale), said)
@@ -257,6 +262,12 @@ def _told(
         held_out=tuple(tests),
         seconds=time.monotonic() - began,
     )
+
+
+def _part_of(trial: Trial, whole: Trial) -> bool:
+    """Whether a trial has some of another's effects, and no others."""
+    own, all_ = ({item.label for item in each.added} for each in (trial, whole))
+    return bool(own) and own < all_
 
 
 def gap_share(

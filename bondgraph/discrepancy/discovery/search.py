@@ -28,7 +28,7 @@ MOST = 3  # effects
 LOST = 0.8  # of a signal's deviation
 PROMISE = 0.7  # of what a refit has to bring, to be worth one
 ALONG = 4  # of those that a score along the model's own run puts first
-SETTLED = 150  # steps of the last fit
+SETTLED, PATIENT = 150, 30.0  # steps and seconds of the last fit
 SINGLES, PAIRS, HIDDEN = 10, 4, 3  # eased in each round
 FIRST, FITTED = 2, 3  # of them fitted by runs: the first of the sketch, the best eased ones
 HOPELESS = 50.0  # behind one that reaches the noise, by twice the logarithm of the likelihood
@@ -142,7 +142,8 @@ def searched(bench: Bench, signals: Sequence[str], effects: Sequence[Effect], te
     current = _without(bench, base, current, trials, tell)
     if current.added and not near_noise(current, bench):
         tell(f"settling {current.label}")
-        settled = tried(bench, _kept(current, current.added), [current.values], steps=SETTLED)
+        patient = replace(bench, seconds=max(PATIENT, 4 * bench.seconds))
+        settled = tried(patient, _kept(current, current.added), [current.values], steps=SETTLED)
         if isinstance(settled, Trial) and delta_bic(current, settled) > 0:
             trials = [settled if trial is current else trial for trial in trials]
             current = settled

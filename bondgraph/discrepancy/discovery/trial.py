@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy
 
-from ...errors import BondGraphError, SimulationError
+from ...errors import BondGraphError
 from ...graph import BondGraph
 from ...simulation import CompiledModel, simulate
 from ..candidates import Effect
@@ -237,8 +237,6 @@ def drafted(
         model = CompiledModel(graph)
     except BondGraphError as error:
         return error
-    if model.equations.algebraic:
-        return SimulationError("it leaves efforts and flows that follow from each other at once")
     new = {
         graft_.parameters[key]: float(value)
         for graft_, item in zip(grafts, added, strict=True)
