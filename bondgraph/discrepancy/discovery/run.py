@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from ...errors import MeasurementError, ParameterError
+from ...errors import LawError, MeasurementError, ParameterError, SimulationError
 from ...graph import BondGraph
 from ...parameters import unknown_name
 from ...simulation import CompiledModel
@@ -118,20 +118,19 @@ def discover(
     tests = [validation] if isinstance(validation, Measurement) else list(validation)
     if not rows:
         raise MeasurementError("there is no measurement to learn from; give one or more")
-    named = distinct([*rows, *tests])
-    rows, tests = named[: len(rows)], named[len(rows) :]
     warnings: list[str] = []
     if not tests:
         rows, tests, words = held_out(rows)
         warnings.append(words)
-    rows, tests = _named_apart([*rows, *tests], len(rows))
+    named = distinct([*rows, *tests])
+    rows, tests = named[: len(rows)], named[len(rows) :]
     ready = [prepared(row, graph) for row in rows]
     held = [prepared(row, graph) for row in tests]
     warnings += [word for _, told in (*ready, *held) for word in told]
     bench = _bench(graph, [row for row, _ in ready], free, parameters, began + time_budget)
     others = [row for row, _ in held]
     signals = list(dict.fromkeys(name for row in bench.recordings for name in row.signals))
-    known = effects_of(*effects) if effects is not None else effects_of()
+    known = effects_of() if effects is None else _known(effects)
     found = searched(bench, signals, known, tell)
     tell("testing on held-out data")
     return _told(
@@ -139,18 +138,11 @@ def discover(
     )
 
 
-def _named_apart(
-    rows: Sequence[Measurement], count: int
-) -> tuple[list[Measurement], list[Measurement]]:
-    """Return recordings, to learn from and to test on, with names of their own."""
-    seen: dict[str, int] = {}
-    names = [row.name for row in rows]
-    found = []
-    for row in rows:
-        seen[row.name] = number = seen.get(row.name, 0) + 1
-        twice = names.count(row.name) > 1
-        found.append(row.changed(name=f"{row.name} {number}") if twice else row)
-    return found[:count], found[count:]
+def _known(effects: Iterable[str | Effect]) -> tuple[Effect, ...]:
+    chosen = tuple(effects)
+    if not chosen:
+        raise LawError("no effects are given to look for; name some, or leave it out for all")
+    return effects_of(*chosen)
 
 
 def _bench(
@@ -162,6 +154,11 @@ def _bench(
 ) -> Bench:
     model = CompiledModel(graph)
     values = parameter_values(model.equations, parameters or {}, model.resolver)
+    if not model.equations.states:
+        raise SimulationError(
+            f"model {graph.name!r} has no states: nothing moves that could be followed; "
+            "add the inertia or the compliance that the recordings show"
+        )
     own = own_parameters(model)
     for name in free or ():
         if name not in own:
