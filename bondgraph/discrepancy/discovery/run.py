@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from ...errors import MeasurementError, ParameterError
+from ...errors import LawError, MeasurementError, ParameterError, SimulationError
 from ...graph import BondGraph
 from ...parameters import unknown_name
 from ...simulation import CompiledModel
@@ -32,6 +32,7 @@ from .value import Discovery, Estimate, Explanation, NamedEffect
 from .verdict import Verdict
 from .words import unseen_words, verdict_words
 
+AS_GOOD = 0.1  # share of the gap by which a number may be behind an effect
 RIVALS = 4  # tested on held-out data beside the best
 
 
@@ -117,20 +118,19 @@ def discover(
     tests = [validation] if isinstance(validation, Measurement) else list(validation)
     if not rows:
         raise MeasurementError("there is no measurement to learn from; give one or more")
-    named = distinct([*rows, *tests])
-    rows, tests = named[: len(rows)], named[len(rows) :]
     warnings: list[str] = []
     if not tests:
         rows, tests, words = held_out(rows)
         warnings.append(words)
-    rows, tests = _named_apart([*rows, *tests], len(rows))
+    named = distinct([*rows, *tests])
+    rows, tests = named[: len(rows)], named[len(rows) :]
     ready = [prepared(row, graph) for row in rows]
     held = [prepared(row, graph) for row in tests]
     warnings += [word for _, told in (*ready, *held) for word in told]
     bench = _bench(graph, [row for row, _ in ready], free, parameters, began + time_budget)
     others = [row for row, _ in held]
     signals = list(dict.fromkeys(name for row in bench.recordings for name in row.signals))
-    known = effects_of(*effects) if effects is not None else effects_of()
+    known = effects_of() if effects is None else _known(effects)
     found = searched(bench, signals, known, tell)
     tell("testing on held-out data")
     return _told(
@@ -138,18 +138,11 @@ def discover(
     )
 
 
-def _named_apart(
-    rows: Sequence[Measurement], count: int
-) -> tuple[list[Measurement], list[Measurement]]:
-    """Return recordings, to learn from and to test on, with names of their own."""
-    seen: dict[str, int] = {}
-    names = [row.name for row in rows]
-    found = []
-    for row in rows:
-        seen[row.name] = number = seen.get(row.name, 0) + 1
-        twice = names.count(row.name) > 1
-        found.append(row.changed(name=f"{row.name} {number}") if twice else row)
-    return found[:count], found[count:]
+def _known(effects: Iterable[str | Effect]) -> tuple[Effect, ...]:
+    chosen = tuple(effects)
+    if not chosen:
+        raise LawError("no effects are given to look for; name some, or leave it out for all")
+    return effects_of(*chosen)
 
 
 def _bench(
@@ -161,6 +154,11 @@ def _bench(
 ) -> Bench:
     model = CompiledModel(graph)
     values = parameter_values(model.equations, parameters or {}, model.resolver)
+    if not model.equations.states:
+        raise SimulationError(
+            f"model {graph.name!r} has no states: nothing moves that could be followed; "
+            "add the inertia or the compliance that the recordings show"
+        )
     own = own_parameters(model)
     for name in free or ():
         if name not in own:
@@ -230,14 +228,20 @@ def _told(
         for name, item in gap["train"].items()
     ) and not near_noise(base, bench)
     said = judged(bench, base, best, found.trials, share, near, above)
-    order = [best, *(t for t in ordered if t is not best), *([base] if best.added else [])]
+    loose = _number_off(bench, held, starts, found, tested)
+    if loose is not None:
+        number_share = gap_share(explained, loose, tested, gap_of, scale)
+        if number_share >= explained[id(best)] - AS_GOOD:
+            said = Judgement(Verdict.NONE, (loose,), (_number_words(found),))
+            warnings = [*warnings, _number_words(found)]
+            best = loose
+    order = [best, *(t for t in ordered if t is not best), *([base] if best is not base else [])]
     ranked = tuple(
         _explanation(base, trial, gap_share(explained, trial, tested, gap_of, scale), said)
         for trial in order
     )
-    shown = best if said.verdict is not Verdict.NONE else base
-    if shown is base:
-        gap, share = gap_of(base), 0.0
+    shown = best if said.verdict is not Verdict.NONE or best is loose else base
+    gap, share = gap_of(shown), explained[id(shown)]
     first = next(item for item, trial in zip(ranked, order, strict=True) if trial is shown)
     named = _named(base, said)
     return Discovery(
@@ -264,6 +268,30 @@ def _told(
         recordings=tuple(rows),
         held_out=tuple(tests),
         seconds=time.monotonic() - began,
+    )
+
+
+def _number_off(
+    bench: Bench,
+    held: Sequence[Prepared],
+    starts: Sequence[Mapping[str, float]],
+    found: Found,
+    tested: dict[int, measured.Tested],
+) -> Trial | None:
+    """Return the model by itself with a number of a law loose, tested; None where that is no answer."""
+    if found.constant is None:
+        return None
+    trial = found.constant.trial
+    tested[id(trial)] = measured.tested(bench, trial, held, starts)
+    return trial
+
+
+def _number_words(found: Found) -> str:
+    assert found.constant is not None
+    number = found.constant
+    return (
+        f"with the number of {number.element!r} {number.factor:.3g} +- {number.std:.2g} times what "
+        f"the model has, it explains the recordings as well as {found.best.label}"
     )
 
 

@@ -17,6 +17,7 @@ from ..latent.probes import probed
 from ..latent.relax import LONGEST, Relaxed, relaxed
 from ..latent.screen import Hypothesis, Sketch, sketched
 from .compare import delta_bic, preference
+from .constants import Constant, constant_off
 from .gaps import sizes
 from .outliers import without_outliers
 from .trial import Added, Bench, Draft, Trial, drafted, fitted_from, tried
@@ -54,6 +55,8 @@ class Found:
     limits : tuple of float
         Gains that noise alone reaches once in a hundred searches, by round.
     warnings : tuple of str
+    constant : Constant or None
+        A number in a law that explains the data as well, if it is off.
     """
 
     bench: Bench
@@ -63,6 +66,7 @@ class Found:
     sketches: tuple[Sketch, ...]
     limits: tuple[float, ...]
     warnings: tuple[str, ...]
+    constant: Constant | None = None
 
 
 def searched(bench: Bench, signals: Sequence[str], effects: Sequence[Effect], tell: Tell) -> Found:
@@ -147,8 +151,16 @@ def searched(bench: Bench, signals: Sequence[str], effects: Sequence[Effect], te
         if isinstance(settled, Trial) and delta_bic(current, settled) > 0:
             trials = [settled if trial is current else trial for trial in trials]
             current = settled
+    constant = constant_off(bench, base, current, tell) if current.added else None
     return Found(
-        bench, base, tuple(trials), current, tuple(sketches), tuple(limits), tuple(warnings)
+        bench,
+        base,
+        tuple(trials),
+        current,
+        tuple(sketches),
+        tuple(limits),
+        tuple(warnings),
+        constant,
     )
 
 

@@ -48,7 +48,8 @@ def verdict_words(
             f"'{model}' lacks something that none of the known effects explains{near}{why}.",
             _shrinks(gaps, removed) if effects else _left(gaps),
         )
-    return f"The data show nothing that '{model}' lacks.", _left(gaps)
+    but = f", but {failed[0]}" if failed and not effects and "number" in failed[0] else ""
+    return f"The data show nothing that '{model}' lacks{but}.", _left(gaps)
 
 
 def _shrinks(gaps: Mapping[str, Gap], removed: float) -> str:

@@ -102,6 +102,9 @@ def noise_floor(
     rounding = (step or 0.0) / math.sqrt(12)
     spread = float(values.std())
     if floor <= rounding:
+        if not step:
+            reason = "differences leave nothing" if spread > 0 else "all values are the same"
+            return NoiseFloor(0.0, "differences", spread > 0, reason)
         return NoiseFloor(
             rounding, "differences", True, f"the step of {step:.3g} that values are rounded to"
         )

@@ -2,11 +2,18 @@
 
 import numpy
 import pytest
+import sympy
 
-from bondgraph import simulate
+from bondgraph import One, R, Se, assemble, simulate
 from bondgraph.discrepancy import Measurement, discover, graft
 from bondgraph.discrepancy.candidates import FLOW, Coefficient, Effect, Feature, resistor
-from bondgraph.errors import BondGraphError, LawError, MeasurementError, ParameterError
+from bondgraph.errors import (
+    BondGraphError,
+    LawError,
+    MeasurementError,
+    ParameterError,
+    SimulationError,
+)
 from bondgraph.files import dumps
 
 from .made import lacking, push, recorded
@@ -192,6 +199,7 @@ def test_one_recording_is_split_and_progress_is_told():
         ({"parameters": {"mm": 1.0}}, BondGraphError, "mm"),
         ({"parameters": {"m": numpy.nan}}, ParameterError, "finite"),
         ({"effects": ["coulomb_frictoin"]}, LawError, "coulomb_friction"),
+        ({"effects": []}, LawError, "no effects"),
     ],
 )
 def test_what_is_wrong_is_said(change, error, word):
@@ -215,3 +223,48 @@ def test_recordings_that_do_not_fit_are_refused(columns, initial, word):
     wave = {name: value * numpy.sin(9 * t) for name, value in columns.items()}
     with pytest.raises(BondGraphError, match=word):
         discover(NOMINAL, Measurement(t, wave, initial=initial))
+
+
+def test_a_model_without_states_is_refused():
+    b, u = sympy.symbols("b u", positive=True)
+    flow = One("flow")
+    static = assemble(
+        "static",
+        Se("source", u) >> flow >> R("film", b),
+        parameters={b: 2.0},
+        inputs=[u],
+        outputs={"f": flow.f},
+    )
+    t = numpy.linspace(0, 1, 50)
+    with pytest.raises(SimulationError, match="'static' has no states"):
+        discover(static, Measurement(t, {"u": numpy.sin(9 * t), "f": numpy.sin(9 * t)}))
+
+
+def test_a_sensor_that_is_stuck_is_said_and_names_nothing():
+    run = recorded(DRAGGED, count=241, span=3.0)
+    stuck = run.changed(columns={"push": run.columns["push"], "v": numpy.zeros(len(run))})
+    told = discover(NOMINAL, stuck, stuck, effects=FEW)
+    assert told.verdict != "named"
+    assert any("all values are the same" in line for line in told.warnings)
+
+
+@pytest.mark.parametrize("harm", ["gaps", "outliers", "unequal steps", "late clock"])
+def test_recordings_as_they_come_still_name_it(harm):
+    def harmed(seed):
+        run = recorded(DRAGGED, seed, count=301, span=3.0)
+        rng = numpy.random.default_rng(seed)
+        columns = {name: numpy.array(values) for name, values in run.columns.items()}
+        if harm == "gaps":
+            columns["v"][rng.random(301) < 0.5] = numpy.nan
+        if harm == "outliers":
+            columns["x"][[20, 100, 250]] += 0.5
+        if harm == "unequal steps":
+            kept = numpy.sort(rng.choice(301, 240, replace=False))
+            return Measurement(
+                run.t[kept], {name: values[kept] for name, values in columns.items()}
+            )
+        return run.changed(columns=columns, t=run.t + 100 * (harm == "late clock"))
+
+    told = discover(NOMINAL, harmed(0), harmed(1), effects=FEW)
+    assert [effect.label for effect in told.effects] == ["quadratic_drag at carriage"]
+    assert told.effects[0].parameters["drag"].value == pytest.approx(15, rel=0.1)
