@@ -33,6 +33,7 @@ from .verdict import Verdict
 from .words import unseen_words, verdict_words
 
 AS_GOOD = 0.1  # share of the gap by which a number may be behind an effect
+SPARED = 0.8  # of what is left of the held-out gap: an effect more has to leave less than that
 RIVALS = 4  # tested on held-out data beside the best
 
 
@@ -216,7 +217,8 @@ def _told(
     for trial in (*parts, best):
         gap_share(explained, trial, tested, gap_of, scale)
     # an effect that new data do not ask for is left out
-    enough = [trial for trial in parts if explained[id(trial)] >= explained[id(best)]]
+    most = 1 - (1 - explained[id(best)]) / SPARED
+    enough = [trial for trial in parts if explained[id(trial)] >= most]
     best = max(enough, key=lambda trial: explained[id(trial)], default=best)
     gap, share = gap_of(best), explained[id(best)]
     near = max(

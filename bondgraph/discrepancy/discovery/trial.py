@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy
 
-from ...errors import BondGraphError
+from ...errors import BondGraphError, SimulationError
 from ...graph import BondGraph
 from ...simulation import CompiledModel, simulate
 from ..candidates import Effect
@@ -237,6 +237,9 @@ def drafted(
         model = CompiledModel(graph)
     except BondGraphError as error:
         return error
+    if model.equations.algebraic and model.equations.contacts:
+        # a slip that efforts decide at once has no run, or several; to find that out takes long
+        return SimulationError("it leaves a contact whose slip follows from efforts at once")
     new = {
         graft_.parameters[key]: float(value)
         for graft_, item in zip(grafts, added, strict=True)

@@ -36,6 +36,15 @@ def test_the_wheel_is_found_through_stick_and_slip(free):
 
 
 @pytest.mark.slow
+def test_the_rotor_tells_of_the_wheel_where_the_caliper_does_not():
+    train, held_out = brake.simulate(0, "Fig. 6", span=0.04)
+    found = discover(brake.graph("Fig. 6"), train, held_out, free=["k_f", "zeta_f"])
+    assert found.verdict == "named" and labels(found) == PAIR
+    alone = brake.simulate(0, "Fig. 6", ("x_c",), span=0.04)
+    assert discover(brake.graph("Fig. 6"), *alone, free=["k_f", "zeta_f"]).verdict == "none"
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize("split", pendulum.SPLITS)
 def test_dry_friction_and_air_are_nearest_to_the_bearing(split):
     found = discover(pendulum.graph(), *pendulum.recordings(split))
