@@ -19,6 +19,7 @@ Array = numpy.ndarray
 Runs = tuple[Mapping[str, Array], ...]
 
 WHITE, HIGH = 0.7, 1.6
+PATIENCE = 60.0  # seconds of one run
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,7 +84,7 @@ def _run(
     parameters: Mapping[str, float],
 ) -> dict[str, Array]:
     try:
-        return followed(model, recording, initial, parameters)
+        return followed(model, recording, initial, parameters, PATIENCE)
     except BondGraphError:
         return {name: numpy.full(len(recording.plain.t), numpy.nan) for name in recording.signals}
 

@@ -550,7 +550,7 @@ def again(
                 ties=ties,
                 segments=None,
                 max_iterations=STEPS,
-                time_budget=bench.left,
+                time_budget=min(bench.left, bench.seconds),
             )
             found.append(_begun(row.initial, begun.initial[0], ties))
         except BondGraphError:
