@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 Array = numpy.ndarray
 
-FAR = 8.0  # robust standard deviations
+FAR = 6.0  # robust standard deviations
 NORMAL = 1.4826
 FEW = 0.02  # of the samples; more are no outliers but something that is missing
 

@@ -34,7 +34,7 @@ from .words import unseen_words, verdict_words
 
 AS_GOOD = 0.1  # share of the gap by which a number may be behind an effect
 SPARED = 0.8  # of what is left of the held-out gap: an effect more has to leave less than that
-RIVALS = 4  # tested on held-out data beside the best
+RIVALS = 3  # tested on held-out data beside the best
 
 
 def discover(

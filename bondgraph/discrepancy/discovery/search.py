@@ -18,7 +18,7 @@ from ..latent.relax import LONGEST, Relaxed, relaxed
 from ..latent.screen import Hypothesis, Sketch, sketched
 from .compare import delta_bic, preference
 from .constants import Constant, constant_off
-from .gaps import sizes
+from .gaps import WHITE, sizes
 from .outliers import without_outliers
 from .trial import Added, Bench, Draft, Trial, drafted, fitted_from, tried
 
@@ -26,6 +26,7 @@ Array = numpy.ndarray
 Tell = Callable[[str], object]
 
 MOST = 3  # effects
+DRY = ("coulomb_friction", "stribeck_friction", "lugre_friction", "hysteresis")
 LOST = 0.8  # of a signal's deviation
 PROMISE = 0.7  # of what a refit has to bring, to be worth one
 ALONG = 4  # of those that a score along the model's own run puts first
@@ -128,7 +129,7 @@ def searched(bench: Bench, signals: Sequence[str], effects: Sequence[Effect], te
         if better is None or delta_bic(current, better) < max(WORTH, limit):
             break
         current = better
-        if len(current.added) >= MOST or near_noise(current, bench):
+        if len(current.added) >= MOST or near_noise(current, bench) or white(current):
             break
         if bench.late:
             warnings.append(
@@ -191,6 +192,11 @@ def _nearer(one: Trial, other: Trial | BondGraphError) -> Trial:
     if isinstance(other, BondGraphError) or delta_bic(one, other) < 0:
         return one
     return other
+
+
+def white(trial: Trial) -> bool:
+    """Whether what a fit leaves has no memory, so that no effect is left to be found in it."""
+    return all(trial.effective[name] >= WHITE * count for name, count in trial.counts.items())
 
 
 def near_noise(trial: Trial, bench: Bench) -> bool:
@@ -327,7 +333,7 @@ def _drafts(
         added = (*current.added, *(_added(item, i) for i in range(len(item.candidates))))
         added = tuple({each.label: each for each in added}.values())
         label = " + ".join(sorted(each.label for each in added))
-        if label in done or len(added) <= len(current.added):
+        if label in done or len(added) <= len(current.added) or _one_contact(added):
             continue
         done.add(label)
         if bench.late:
@@ -344,6 +350,12 @@ def _drafts(
             if any(item is one for one in (*wanted[:FIRST], *twos[:1], *hidden[:1], *others[:1])):
                 first.append(draft.label)
     return drafts, first
+
+
+def _one_contact(added: Sequence[Added]) -> bool:
+    """Whether two of the effects are descriptions of one and the same rubbing contact."""
+    places = [item.site.name for item in added if item.effect.name in DRY]
+    return len(set(places)) < len(places)
 
 
 def _led(sketch: Sketch, alone: float) -> list[Hypothesis]:
