@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy
 
-from ...errors import BondGraphError, SimulationError
+from ...errors import BondGraphError, ParameterError, SimulationError
 from ...graph import BondGraph
 from ...simulation import CompiledModel, simulate
 from ..candidates import Effect
@@ -18,6 +18,7 @@ from ..fitting import Fit, fit
 from ..grafting import Grafted, Site, graft
 from ..latent.relax import eased
 from ..measurement import Measurement
+from ..screening.run import own_parameters
 from .horizon import grown_horizon
 from .prepare import Prepared
 
@@ -25,6 +26,7 @@ Array = numpy.ndarray
 
 STEPS = 40
 FAR = 0.05  # of signals' variances
+HELD = 1e-9  # of a value that is known
 LOOSE = 0.4  # standard deviation of the logarithm of own parameters about what was given
 
 
@@ -303,12 +305,21 @@ def fitted_from(
             seconds = min(bench.left, bench.seconds)
             near = grown_horizon(model, rows, free, draft.starts[-1], seconds, **told)
             start, _ = _nearest(model, rows, bench, [start, *([near] if near else [])])
+        priors = _priors(bench)
+        if not free:  # all is known, and a fit wants an unknown: one that may not move
+            held = next(iter(own_parameters(model)), None)
+            if held is None:
+                return ParameterError(
+                    f"graph {bench.graph.name!r} has no parameters, and all start states are known: "
+                    "there is nothing to fit; give its numbers as parameters"
+                )
+            free, priors = [held], {held: (start[held], HELD * (abs(start[held]) or 1.0))}
         found = fit(
             model,
             rows,
             free,
             parameters=start,
-            priors=_priors(bench),
+            priors=priors,
             ties=ties,
             segments=segments,
             loss="linear",
@@ -533,11 +544,10 @@ def again(
     found = []
     parameters = {**bench.given, **trial.values}
     ties = _ties(trial.grafts, trial.model, parameters)
-    states = _open(bench, trial.model, ties)
-    before = {state.name for state in bench.model.equations.states}
     for recording, start in zip(recordings, starts, strict=True):
-        row = _started(recording.plain, start, trial.grafts, bench.states)
-        open_ = [name for name in states if name in recording.item.free or name not in before]
+        unknown = recording.item.free
+        row = _started(recording.plain, start, trial.grafts, unknown)
+        open_ = _open(replace(bench, states=unknown), trial.model, ties)
         if not open_:
             found.append(dict(row.initial))
             continue
@@ -556,8 +566,3 @@ def again(
         except BondGraphError:
             found.append(dict(row.initial))
     return found
-
-
-def renewed(bench: Bench, **changes: Any) -> Bench:
-    """Return the bench with other values."""
-    return replace(bench, **changes)
