@@ -11,8 +11,8 @@ import numpy
 from ...elements import One, Zero
 from ...errors import BondGraphError
 from ...simulation import Samples, simulate
+from .bench import Bench, Trial
 from .laws import coefficients, law_of
-from .trial import Bench, Trial
 
 Array = numpy.ndarray
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from .trial import Trial
+from .bench import Trial
 
 EACH = 6.0  # of each effect: twice the logarithm of twenty that might have been taken
 

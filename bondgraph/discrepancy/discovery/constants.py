@@ -13,8 +13,9 @@ from ...errors import BondGraphError
 from ...graph import BondGraph
 from ...parameters import Parameter
 from ...simulation import CompiledModel
+from .bench import Bench, Trial
 from .compare import delta_bic
-from .trial import Bench, Trial, tried
+from .trial import tried
 
 MOST = 12  # elements that are looked at
 SLACK = 6.0  # by which the criterion may prefer an effect before a number is no explanation
@@ -84,6 +85,7 @@ def _scaled(element: Element, factor: sympy.Symbol) -> Element | None:
         return R(element.name, effort=lambda f: factor * effort.xreplace({element.f: f}))
     if isinstance(element, R):
         flow = element.flow
+        assert flow is not None
         return R(element.name, flow=lambda e: flow.xreplace({element.e: e}) / factor)
     if isinstance(element, C):
         return C(

@@ -11,8 +11,10 @@ import numpy
 from ...errors import BondGraphError
 from ...graph import BondGraph
 from ...simulation import CompiledModel
+from .bench import Bench, Trial
+from .follow import followed
 from .prepare import Prepared
-from .trial import Bench, Trial, again, followed
+from .trial import again
 from .value import Course, Gap
 
 Array = numpy.ndarray

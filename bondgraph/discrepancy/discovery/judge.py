@@ -8,8 +8,8 @@ from dataclasses import dataclass
 
 import numpy
 
+from .bench import Bench, Trial
 from .compare import delta_bic, log_ratio
-from .trial import Bench, Trial
 from .verdict import Verdict
 
 Array = numpy.ndarray

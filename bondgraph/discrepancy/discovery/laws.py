@@ -12,7 +12,7 @@ from ..candidates.value import DISPLACEMENT, EFFORT, FLOW, Effect
 from ..grafting import Grafted
 from ..latent.linear import along
 from ..latent.screen import Sketch
-from .trial import Added, Trial
+from .bench import Added, Trial
 from .value import LearnedLaw
 
 Array = numpy.ndarray

@@ -11,11 +11,11 @@ from ..latent.columns import Candidate
 from ..latent.relax import Relaxed, followed
 from ..latent.screen import Sketch
 from .apart import SEEN, harder, laws_part, signals_apart
+from .bench import Bench, Trial
 from .judge import Judgement
 from .laws import latent_points
 from .prepare import Prepared
 from .search import Found
-from .trial import Bench, Trial
 from .verdict import Verdict
 
 MOST = 2  # signals to be measured that are named

@@ -20,6 +20,7 @@ from ..latent.isolability import isolability
 from ..measurement import Measurement
 from ..screening.run import own_parameters
 from . import gaps as measured
+from .bench import Bench, Trial
 from .compare import delta_bic
 from .judge import ABOVE, Judgement, judged
 from .laws import learned
@@ -27,7 +28,6 @@ from .outliers import cleared
 from .outside import advice_for, relaxed_starts
 from .prepare import Prepared, distinct, held_out, prepared
 from .search import Found, near_noise, searched, starts_of
-from .trial import Bench, Trial
 from .value import Discovery, Estimate, Explanation, NamedEffect
 from .verdict import Verdict
 from .words import unseen_words, verdict_words

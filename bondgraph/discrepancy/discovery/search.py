@@ -16,11 +16,12 @@ from ..latent.null import threshold
 from ..latent.probes import probed
 from ..latent.relax import LONGEST, Relaxed, relaxed
 from ..latent.screen import Hypothesis, Sketch, sketched
+from .bench import Added, Bench, Draft, Trial
 from .compare import delta_bic, preference
 from .constants import Constant, constant_off
 from .gaps import WHITE, sizes
 from .outliers import without_outliers
-from .trial import Added, Bench, Draft, Trial, drafted, fitted_from, tried
+from .trial import drafted, fitted_from, tried
 
 Array = numpy.ndarray
 Tell = Callable[[str], object]

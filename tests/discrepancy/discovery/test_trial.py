@@ -4,8 +4,8 @@ from types import SimpleNamespace
 
 import pytest
 
+from bondgraph.discrepancy.discovery.bench import LOOSE, Trial
 from bondgraph.discrepancy.discovery.run import _part_of
-from bondgraph.discrepancy.discovery.trial import LOOSE, Trial
 
 
 def strain(value, given=0.05):

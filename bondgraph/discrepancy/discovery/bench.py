@@ -1,0 +1,195 @@
+"""What trials are made of: effects to be grown in, what all share, drafts and fits."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy
+
+from ...graph import BondGraph
+from ...simulation import CompiledModel
+from ..candidates import Effect
+from ..fitting import Fit
+from ..grafting import Grafted, Site
+from ..measurement import Measurement
+from .prepare import Prepared
+
+Array = numpy.ndarray
+
+LOOSE = 0.4  # standard deviation of the logarithm of own parameters about what was given
+
+
+@dataclass(frozen=True, eq=False)
+class Added:
+    """One effect to be grown into a graph, and where its coefficients start.
+
+    Attributes
+    ----------
+    effect : Effect
+    site : Site
+    starts : mapping of str to float
+    pair : tuple of str
+        The two junctions between which the site is, where it is such a place.
+    """
+
+    effect: Effect
+    site: Site
+    starts: Mapping[str, float]
+    pair: tuple[str, ...] = ()
+
+    @property
+    def label(self) -> str:
+        """``effect at site``."""
+        return f"{self.effect.name} at {self.site.name}"
+
+
+@dataclass(frozen=True, eq=False)
+class Trial:
+    """A graph with effects, fitted.
+
+    Attributes
+    ----------
+    added : tuple of Added
+    grafts : tuple of Grafted
+    graph : BondGraph
+    model : CompiledModel
+    fit : Fit
+    measurements : tuple of Measurement
+        With the start states found.
+    squares, counts, effective : mapping of str to number
+        By signal: sum of squared residuals, samples, and how many independent ones they are worth.
+    given : mapping of str to float
+        Own parameters before the fit.
+    """
+
+    added: tuple[Added, ...]
+    grafts: tuple[Grafted, ...]
+    graph: BondGraph
+    model: CompiledModel
+    fit: Fit
+    measurements: tuple[Measurement, ...]
+    squares: Mapping[str, float]
+    counts: Mapping[str, int]
+    effective: Mapping[str, float]
+    given: Mapping[str, float]
+
+    @property
+    def label(self) -> str:
+        """Effects and sites, in one order."""
+        return " + ".join(sorted(item.label for item in self.added))
+
+    @property
+    def terms(self) -> int:
+        """Coefficients that the effects brought."""
+        return sum(len(item.effect.fitted) for item in self.added)
+
+    @property
+    def strain(self) -> float:
+        """How far own parameters are from what was given, in squares of what is likely.
+
+        An element may turn out not to be there at all: zero is not infinitely far.
+        """
+        total = 0.0
+        for name, given in self.given.items():
+            if name in self.fit.values and given:
+                ratio = self.fit.values[name] / given
+                off = abs(ratio - 1)
+                total += (min(off, abs(math.log(ratio))) if ratio > 0 else off) ** 2
+        return total / LOOSE**2
+
+    @property
+    def values(self) -> dict[str, float]:
+        """All fitted parameters, SI."""
+        return dict(self.fit.values)
+
+
+@dataclass(frozen=True, eq=False)
+class Bench:
+    """What all trials share.
+
+    Attributes
+    ----------
+    graph : BondGraph
+    model : CompiledModel
+        Of the graph.
+    recordings : tuple of Prepared
+    free : tuple of str
+        Own parameters.
+    states : tuple of str
+        Whose start is sought.
+    given : mapping of str to float
+        Parameters as they are given, SI.
+    deadline : float
+        Of `time.monotonic`.
+    starts : tuple of mapping of str to float
+        Where the smoother says that each recording begins.
+    ways : mapping of (str, str) to float
+        In which the model may err, see `bondgraph.discrepancy.latent.eased`.
+    seconds : float
+        Limit of one fit.
+    """
+
+    graph: BondGraph
+    model: CompiledModel
+    recordings: tuple[Prepared, ...]
+    free: tuple[str, ...]
+    states: tuple[str, ...]
+    given: Mapping[str, float]
+    deadline: float
+    starts: tuple[Mapping[str, float], ...] = field(default=())
+    ways: Mapping[tuple[str, str], float] = field(default_factory=dict)
+    seconds: float = math.inf
+
+    @property
+    def left(self) -> float:
+        """Seconds."""
+        return max(self.deadline - time.monotonic(), 1.0)
+
+    @property
+    def late(self) -> bool:
+        """Whether no more is to be begun."""
+        return time.monotonic() > self.deadline
+
+
+@dataclass(frozen=True, eq=False)
+class Draft:
+    """Effects grown into the graph, and where a fit may start.
+
+    Attributes
+    ----------
+    added : tuple of Added
+    grafts : tuple of Grafted
+    graph : BondGraph
+    model : CompiledModel
+    starts : tuple of mapping of str to float
+        Parameters, the best guess first.
+    begins : tuple of mapping of str to float
+        Start states by recording.
+    likelihood : float
+        Twice the negative logarithm where the model hardly errs, to compare drafts by; infinite
+        where that did not come to an end.
+    off : float
+        How far the run from the best start is from the data, see `misfit`.
+    """
+
+    added: tuple[Added, ...]
+    grafts: tuple[Grafted, ...]
+    graph: BondGraph
+    model: CompiledModel
+    starts: tuple[Mapping[str, float], ...]
+    begins: tuple[Mapping[str, float], ...]
+    likelihood: float = math.inf
+    off: float = math.inf
+
+    @property
+    def label(self) -> str:
+        """Effects and sites, in one order."""
+        return " + ".join(sorted(item.label for item in self.added))
+
+    @property
+    def terms(self) -> int:
+        """Coefficients that the effects brought."""
+        return sum(len(item.effect.fitted) for item in self.added)
