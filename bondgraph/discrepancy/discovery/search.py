@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -35,6 +36,7 @@ SETTLED, PATIENT = 150, 30.0  # steps and seconds of the last fit
 SINGLES, PAIRS, HIDDEN = 10, 4, 3  # eased in each round
 FIRST, FITTED = 2, 3  # of them fitted by runs: the first of the sketch, the best eased ones
 HOPELESS = 50.0  # behind one that reaches the noise, by twice the logarithm of the likelihood
+ROUND = 3.0  # so many times a fit's limit may the fits of a round take
 SHORTEST, TIMES = 8.0, 3.0  # a fit may take so many seconds, or times as long as the base
 WORTH = 10.0  # drop of the criterion that an effect has to bring: odds of 150 to 1
 
@@ -285,13 +287,14 @@ def _refitted(
     drafts.sort(key=lambda draft: draft.likelihood)
     trials: list[Trial] = []
     reached, terms = math.inf, 0
+    began = time.monotonic()
     for place, draft in enumerate(drafts):
         behind = math.isfinite(draft.likelihood) and draft.likelihood > reached + HOPELESS
         if behind and draft.terms >= terms:
             continue
         if place >= FITTED and draft.label not in first:
             continue
-        if bench.late:
+        if bench.late or time.monotonic() - began > ROUND * bench.seconds:
             break
         tell(f"fitting {draft.label}")
         trial = fitted_from(bench, draft)
@@ -329,6 +332,7 @@ def _drafts(
     pairs = [*twos[:PAIRS], *hidden[:HIDDEN]] if room > 1 else []
     drafts: list[Draft] = []
     first: list[str] = []
+    began = time.monotonic()
     others = [] if beside is None else beside.singles[:ALONG]
     for item in [*wanted, *pairs, *(item for item in others if item.gain > WORTH)]:
         added = (*current.added, *(_added(item, i) for i in range(len(item.candidates))))
@@ -337,7 +341,7 @@ def _drafts(
         if label in done or len(added) <= len(current.added) or _one_contact(added):
             continue
         done.add(label)
-        if bench.late:
+        if bench.late or time.monotonic() - began > ROUND * bench.seconds:
             break
         tell(f"trying {label}")
         own = [
