@@ -37,6 +37,7 @@ SINGLES, PAIRS, HIDDEN = 10, 4, 3  # eased in each round
 FIRST, FITTED = 2, 3  # of them fitted by runs: the first of the sketch, the best eased ones
 HOPELESS = 50.0  # behind one that reaches the noise, by twice the logarithm of the likelihood
 ROUND = 3.0  # so many times a fit's limit may the fits of a round take
+SAMPLE = 5e-4  # seconds that a fit may take for each sample of a long recording
 SHORTEST, TIMES = 8.0, 3.0  # a fit may take so many seconds, or times as long as the base
 WORTH = 10.0  # drop of the criterion that an effect has to bring: odds of 150 to 1
 
@@ -110,7 +111,7 @@ def searched(bench: Bench, signals: Sequence[str], effects: Sequence[Effect], te
         base = other if isinstance(base, BondGraphError) else _nearer(base, other)
     if isinstance(base, BondGraphError):
         raise base
-    bench = replace(bench, seconds=max(SHORTEST, TIMES * base.fit.seconds))
+    bench = replace(bench, seconds=_limit(bench, base))
     if near_noise(base, bench):
         # what is left is small beside what its own parameters being off would do
         tell("screening again with fitted parameters")
@@ -166,6 +167,12 @@ def searched(bench: Bench, signals: Sequence[str], effects: Sequence[Effect], te
         tuple(warnings),
         constant,
     )
+
+
+def _limit(bench: Bench, base: Trial) -> float:
+    """Return the seconds that a fit may take."""
+    samples = sum(len(row.plain) for row in bench.recordings)
+    return max(SHORTEST, TIMES * base.fit.seconds, SAMPLE * samples)
 
 
 def _along_runs(
