@@ -63,6 +63,8 @@ class Trial:
         By signal: sum of squared residuals, samples, and how many independent ones they are worth.
     given : mapping of str to float
         Own parameters before the fit.
+    begins : int
+        Start states of the effects that were sought, in all recordings.
     """
 
     added: tuple[Added, ...]
@@ -75,6 +77,7 @@ class Trial:
     counts: Mapping[str, int]
     effective: Mapping[str, float]
     given: Mapping[str, float]
+    begins: int = 0
 
     @property
     def label(self) -> str:
@@ -83,8 +86,8 @@ class Trial:
 
     @property
     def terms(self) -> int:
-        """Coefficients that the effects brought."""
-        return sum(len(item.effect.fitted) for item in self.added)
+        """Coefficients that the effects brought, and start states that were sought with them."""
+        return sum(len(item.effect.fitted) for item in self.added) + self.begins
 
     @property
     def strain(self) -> float:

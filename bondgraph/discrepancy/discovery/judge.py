@@ -19,7 +19,6 @@ CLEAR = 6.0  # strong evidence (Kass, Raftery 1995), by which the criterion has 
 NEAR = 0.35  # of the gap before may be left, where the noise is not reached
 NOISE = 1.5  # times the noise count as near it
 ABOVE = 1.3  # times the noise are a gap
-PARTS = 3  # of the recordings that have to agree
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,7 +74,7 @@ def judged(
     if near > NOISE and not removed >= 1 - NEAR:
         failed.append(f"what is left is {near:.1f} times the noise")
     failed += _unphysical(best)
-    failed += _unstable(best)
+    failed += _uncertain(best)
     rivals = tuple(rival for rival in trials if _rivals(best, rival))
     if failed and not above and removed < HALF:
         return Judgement(Verdict.NONE, (best,), tuple(failed))
@@ -115,13 +114,13 @@ def _unphysical(best: Trial) -> list[str]:
     return words
 
 
-def _unstable(best: Trial) -> list[str]:
-    """Compare what parts of the recordings say of each effect's size with what all say."""
+def _uncertain(best: Trial) -> list[str]:
+    """Say which effects have a size that the data do not tell from zero."""
     words = []
     for item, grafted in zip(best.added, best.grafts, strict=True):
         for key in item.effect.linear[:1]:
             name = grafted.parameters[key]
             value, std = best.values.get(name, math.nan), best.fit.std.get(name, math.inf)
-            if math.isfinite(std) and value and abs(std / value) > 1.0:
+            if not std < abs(value):
                 words.append(f"{key} of {item.label} is uncertain: {value:.3g} +- {std:.2g}")
     return words

@@ -403,7 +403,10 @@ def _kept(current: Trial, added: Sequence[Added]) -> tuple[Added, ...]:
     """Return effects with those that are in the graph already starting from their fitted values."""
     values = {}
     for item, grafted in zip(current.added, current.grafts, strict=True):
-        values[item.label] = {key: current.values[name] for key, name in grafted.parameters.items()}
+        values[item.label] = {
+            key: current.values.get(name, item.starts[key])
+            for key, name in grafted.parameters.items()
+        }
     return tuple(
         replace(item, starts=values[item.label]) if item.label in values else item for item in added
     )
@@ -423,6 +426,17 @@ def _own(sketch: Sketch, item: Hypothesis) -> dict[str, float]:
     return table.given(sketch.relaxed.values + item.own * min(1.0, LONGEST / longest))
 
 
+def idle(trial: Trial) -> set[str]:
+    """Return the labels of effects whose size the data do not tell from zero."""
+    found = set()
+    for item, grafted in zip(trial.added, trial.grafts, strict=True):
+        for key in item.effect.linear[:1]:
+            name = grafted.parameters[key]
+            if not trial.fit.std.get(name, 0.0) < abs(trial.values.get(name, 1.0)):
+                found.add(item.label)
+    return found
+
+
 def _without(bench: Bench, base: Trial, current: Trial, trials: list[Trial], tell: Tell) -> Trial:
     """Drop effects that others have made needless."""
     while len(current.added) > 1:
@@ -432,11 +446,13 @@ def _without(bench: Bench, base: Trial, current: Trial, trials: list[Trial], tel
             rest = tuple(each for each in rest if each.label != item.label)
             label = " + ".join(sorted(each.label for each in rest))
             same = [trial for trial in trials if trial.label == label]
-            if not same:
+            # beside an effect that does nothing, the others may have come further
+            if not same or item.label in idle(current):
                 tell(f"fitting {label}")
                 trial = tried(bench, rest, [current.values, base.values])
-                same = [trial] if isinstance(trial, Trial) else []
-                trials += same
+                fresh = [trial] if isinstance(trial, Trial) else []
+                trials += fresh
+                same = [*same, *fresh]
             fewer += same
         best = min(fewer, key=lambda trial: delta_bic(trial, current), default=None)
         if best is None or delta_bic(best, current) >= WORTH:

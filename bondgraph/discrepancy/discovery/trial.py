@@ -152,7 +152,11 @@ def fitted_from(
             max_iterations=steps,
             time_budget=min(bench.left, bench.seconds),
         )
-        return trial_of(draft.added, grafts, draft.graph, model, found, rows, bench.given, ties)
+        trial = trial_of(draft.added, grafts, draft.graph, model, found, rows, bench.given, ties)
+        if isinstance(trial, BondGraphError):
+            return trial
+        new = set(open_states(bench, model, ties)) - set(bench.states)
+        return replace(trial, begins=len(new) * len(rows))
     except BondGraphError as error:
         return error
 
