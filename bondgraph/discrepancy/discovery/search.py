@@ -293,7 +293,7 @@ def _refitted(
     first += [draft.label for draft in drafts[:FITTED]]
     drafts.sort(key=lambda draft: draft.likelihood)
     trials: list[Trial] = []
-    reached, terms = math.inf, 0
+    reached, terms, slow = math.inf, 0, False
     began = time.monotonic()
     for place, draft in enumerate(drafts):
         behind = math.isfinite(draft.likelihood) and draft.likelihood > reached + HOPELESS
@@ -303,8 +303,12 @@ def _refitted(
             continue
         if bench.late or time.monotonic() - began > ROUND * bench.seconds:
             break
+        if slow and draft.model.switched:
+            continue
         tell(f"fitting {draft.label}")
         trial = fitted_from(bench, draft)
+        # runs that search their modes have slow derivatives: where one fit of them fails, others do
+        slow = slow or (draft.model.switched and not isinstance(trial, Trial))
         if isinstance(trial, Trial):
             trials.append(trial)
             if near_noise(trial, bench) and draft.likelihood < reached:
