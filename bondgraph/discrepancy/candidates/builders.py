@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import sympy
 
-from ...elements import C, Element, R, Se, Sf
+from ...elements import C, Element, Friction, R, Se, Sf
 from .place import Change, Place
 from .value import DISPLACEMENT, EFFORT, FLOW
 
@@ -47,4 +47,29 @@ def source(place: Place, law: Law, symbols: Symbols) -> Change:
 def resourced(element: Element, signal: sympy.Expr) -> Element:
     """Return a source of another effort or flow with the same port variables."""
     new = Se(element.name, signal) if isinstance(element, Se) else Sf(element.name, signal)
-    return new.replaced({new.symbols[key]: symbol for key, symbol in element.symbols.items()})
+    return stands_for(new, element)
+
+
+def stands_for(new: Element, old: Element) -> Element:
+    """Return a new element that has the variables of an old one, so that others still hear it."""
+    return new.replaced({new.symbols[key]: symbol for key, symbol in old.symbols.items()})
+
+
+def weakened(old: R | Friction, share: sympy.Expr) -> Element:
+    """Return a dissipator whose effort is a share of what it was, with the same port variables."""
+    new: R | Friction
+    if isinstance(old, Friction):
+        new = Friction(
+            old.name,
+            kinetic=lambda speed: share * old.kinetic.xreplace({old.speed: speed}),
+            breakaway=share * old.breakaway,
+            smoothing=old.smoothing,
+        )
+    elif old.effort is not None:
+        effort = old.effort
+        new = R(old.name, effort=lambda f: share * effort.xreplace({old.f: f}))
+    else:
+        flow = old.flow
+        assert flow is not None
+        new = R(old.name, flow=lambda e: flow.xreplace({old.e: e / share}))
+    return stands_for(new, old)

@@ -7,7 +7,8 @@ from collections.abc import Mapping
 import numpy
 import sympy
 
-from ...elements import Block, Friction, R
+from ...elements import Block
+from .builders import weakened
 from .features import Array, Feature, Shape, Signals, lagged
 from .place import Change, Place
 from .places import DISSIPATOR, MECHANICAL
@@ -30,26 +31,8 @@ def _faded(
     old = place.element
     heat = Block(f"{place.name}_heat", rate=lambda y: old.e * old.f - symbols["cooling"] * y)
 
-    def weaker(value: sympy.Expr) -> sympy.Expr:
-        return law["signal"].xreplace({SIGNAL: value, MEMORY: heat.y})
-
-    if isinstance(old, Friction):
-        own = old.speed
-        new: R | Friction = Friction(
-            old.name,
-            kinetic=lambda speed: weaker(old.kinetic.xreplace({own: speed})),
-            breakaway=weaker(old.breakaway),
-            smoothing=old.smoothing,
-        )
-    elif old.effort is not None:
-        effort = old.effort
-        new = R(old.name, effort=lambda f: weaker(effort.xreplace({old.f: f})))
-    else:
-        flow = old.flow
-        full = 1 / weaker(sympy.S.One)
-        new = R(old.name, flow=lambda e: flow.xreplace({old.e: e * full}))
-    twin = new.replaced({new.symbols[key]: symbol for key, symbol in old.symbols.items()})
-    return Change(replaced={old: twin}, blocks=(heat,))
+    share = law["signal"].xreplace({SIGNAL: sympy.S.One, MEMORY: heat.y})
+    return Change(replaced={old: weakened(old, share)}, blocks=(heat,))
 
 
 def _heat(signals: Signals) -> Array:

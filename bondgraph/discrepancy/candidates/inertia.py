@@ -7,6 +7,7 @@ from collections.abc import Mapping
 import sympy
 
 from ...elements import I
+from .builders import stands_for
 from .features import Feature
 from .place import Change, Place
 from .places import FLOW_JUNCTION, INERTIA, POWER
@@ -32,8 +33,7 @@ def _bent(
         return said.xreplace({old.p: p})
 
     new = I(old.name, flow=flow, initial=old.initial)
-    twin = new.replaced({new.symbols[key]: symbol for key, symbol in old.symbols.items()})
-    return Change(replaced={old: twin})
+    return Change(replaced={old: stands_for(new, old)})
 
 
 _MASS = Coefficient(

@@ -28,6 +28,7 @@ KINDS: Mapping[str, str] = MappingProxyType(
         DISSIPATOR: "changes the law of an R or a Friction",
     }
 )
+JUNCTIONS = (FLOW_JUNCTION, FLOW_PAIR, EFFORT_JUNCTION, EFFORT_PAIR)
 MECHANICAL = ("translation", "rotation")
 POWER = ("translation", "rotation", "hydraulic", "electrical")
 POTENTIAL = ("hydraulic", "electrical", "thermal")

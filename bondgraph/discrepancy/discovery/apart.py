@@ -8,10 +8,12 @@ from dataclasses import dataclass, replace
 
 import numpy
 
-from ...elements import One, Zero
 from ...errors import BondGraphError
 from ...simulation import Samples, simulate
+from ..latent.isolability import carried
+from .begin import states_of
 from .bench import Bench, Trial
+from .follow import sampled
 from .laws import coefficients, law_of
 
 Array = numpy.ndarray
@@ -149,10 +151,7 @@ def _signals(bench: Bench, measured: Sequence[str]) -> list[str]:
     graph = bench.graph
     names = [*graph.outputs]
     names += [state.name for state in bench.model.equations.states if state.name.endswith(".q")]
-    for label, element in graph.elements.items():
-        names += [f"{label}.f"] * isinstance(element, One) + [f"{label}.e"] * isinstance(
-            element, Zero
-        )
+    names += carried(graph)
     return [name for name in dict.fromkeys(names) if name not in measured]
 
 
@@ -185,7 +184,7 @@ def _run(
         name: _times(item, factor) if isinstance(item, Samples) else item
         for name, item in recording.item.inputs.items()
     }
-    states = {state.name for state in member.model.equations.states}
+    states = states_of(member.model)
     own = {name: value for name, value in start.items() if name in states}
     if not inputs:
         own = {name: factor * value for name, value in own.items()}
@@ -198,12 +197,7 @@ def _run(
         t_eval=t,
         time_budget=SECONDS,
     )
-    table = {}
-    for name in names:
-        values = numpy.full(len(t), numpy.nan)
-        values[: len(run.t)] = run[name][: len(t)]
-        table[name] = values
-    return table
+    return sampled(run, names, len(t))
 
 
 def _times(samples: Samples, factor: float) -> Samples:

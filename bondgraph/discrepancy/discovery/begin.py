@@ -4,15 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-import numpy
-
 from ...graph import BondGraph
 from ...simulation import CompiledModel
 from ..grafting import Grafted, graft
 from ..measurement import Measurement
 from .bench import Added, Bench
-
-Array = numpy.ndarray
 
 
 def grown(graph: BondGraph, added: Sequence[Added]) -> tuple[BondGraph, tuple[Grafted, ...]]:

@@ -4,22 +4,17 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
-
-import numpy
 
 from ...graph import BondGraph
 from ...simulation import CompiledModel
 from ..candidates import Effect
 from ..fitting import Fit
 from ..grafting import Grafted, Site
+from ..latent.relax import LOOSE
 from ..measurement import Measurement
 from .prepare import Prepared
-
-Array = numpy.ndarray
-
-LOOSE = 0.4  # standard deviation of the logarithm of own parameters about what was given
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,6 +39,16 @@ class Added:
     def label(self) -> str:
         """``effect at site``."""
         return f"{self.effect.name} at {self.site.name}"
+
+
+def label_of(added: Iterable[Added]) -> str:
+    """Return effects and sites, in one order."""
+    return " + ".join(sorted(item.label for item in added))
+
+
+def terms_of(added: Iterable[Added]) -> int:
+    """Return the number of coefficients that data tell."""
+    return sum(len(item.effect.fitted) for item in added)
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,12 +87,12 @@ class Trial:
     @property
     def label(self) -> str:
         """Effects and sites, in one order."""
-        return " + ".join(sorted(item.label for item in self.added))
+        return label_of(self.added)
 
     @property
     def terms(self) -> int:
         """Coefficients that the effects brought, and start states that were sought with them."""
-        return sum(len(item.effect.fitted) for item in self.added) + self.begins
+        return terms_of(self.added) + self.begins
 
     @property
     def strain(self) -> float:
@@ -103,10 +108,27 @@ class Trial:
                 total += (min(off, abs(math.log(ratio))) if ratio > 0 else off) ** 2
         return total / LOOSE**2
 
+    def rmse(self, signal: str) -> float:
+        """Return the root mean square of what is left of a signal."""
+        return float((self.squares[signal] / self.counts[signal]) ** 0.5)
+
     @property
     def values(self) -> dict[str, float]:
         """All fitted parameters, SI."""
         return dict(self.fit.values)
+
+
+def idle(trial: Trial) -> dict[str, str]:
+    """Return effects whose size the data do not tell from zero, by label, and that in words."""
+    found = {}
+    for item, grafted in zip(trial.added, trial.grafts, strict=True):
+        for key in item.effect.linear[:1]:
+            name = grafted.parameters[key]
+            value = trial.values.get(name, math.nan)
+            std = trial.fit.std.get(name, math.inf)
+            if not std < abs(value):
+                found[item.label] = f"{key} of {item.label} is uncertain: {value:.3g} +- {std:.2g}"
+    return found
 
 
 @dataclass(frozen=True, eq=False)
@@ -190,9 +212,9 @@ class Draft:
     @property
     def label(self) -> str:
         """Effects and sites, in one order."""
-        return " + ".join(sorted(item.label for item in self.added))
+        return label_of(self.added)
 
     @property
     def terms(self) -> int:
         """Coefficients that the effects brought."""
-        return sum(len(item.effect.fitted) for item in self.added)
+        return terms_of(self.added)

@@ -13,6 +13,7 @@ from ...errors import BondGraphError
 from ...graph import BondGraph
 from ...parameters import Parameter
 from ...simulation import CompiledModel
+from ..candidates.builders import stands_for
 from .bench import Bench, Trial
 from .compare import delta_bic
 from .trial import tried
@@ -63,9 +64,7 @@ def loosened(graph: BondGraph) -> Iterator[tuple[str, str, BondGraph]]:
         twin = None if name in taken else _scaled(element, factor)
         if twin is None:
             continue
-        exchanged = twin.replaced(
-            {twin.symbols[key]: symbol for key, symbol in element.symbols.items()}
-        )
+        exchanged = stands_for(twin, element)
         table = {**graph.parameters, factor: Parameter(1.0, meaning=f"{label}, over its number")}
         yield (
             label,

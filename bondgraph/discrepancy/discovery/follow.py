@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 import numpy
 
 from ...errors import BondGraphError
-from ...simulation import CompiledModel, simulate
+from ...simulation import CompiledModel, Trajectory, simulate
 from ..measurement import Measurement
 from .begin import states_of
 from .bench import Bench
@@ -92,9 +92,14 @@ def followed(
         t_eval=t,
         time_budget=seconds,
     )
+    return sampled(run, recording.signals, len(t))
+
+
+def sampled(run: Trajectory, names: Iterable[str], count: int) -> dict[str, Array]:
+    """Return signals at so many times; NaN at those that a run did not reach."""
     table = {}
-    for name in recording.signals:
-        values = numpy.full(len(t), numpy.nan)
-        values[: len(run.t)] = run[name][: len(t)]
+    for name in names:
+        values = numpy.full(count, numpy.nan)
+        values[: len(run.t)] = run[name][:count]
         table[name] = values
     return table

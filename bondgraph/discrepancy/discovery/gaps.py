@@ -118,7 +118,7 @@ def noises(recordings: Sequence[Prepared], best: Trial) -> dict[str, float]:
     for name in dict.fromkeys(name for row in recordings for name in row.signals):
         found[name] = low = floor(recordings, name)
         count = best.counts.get(name, 0)
-        left = math.sqrt(best.squares[name] / count) if count else math.nan
+        left = best.rmse(name) if count else math.nan
         white = best.effective.get(name, 0.0) >= WHITE * count
         if white and low < left < HIGH * low:
             found[name] = left

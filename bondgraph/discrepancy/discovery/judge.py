@@ -2,17 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import numpy
-
-from .bench import Bench, Trial
+from .bench import Trial, idle
 from .compare import delta_bic, log_ratio
 from .verdict import Verdict
-
-Array = numpy.ndarray
 
 HALF = 0.5  # of the held-out gap above the noise has to go
 CLEAR = 6.0  # strong evidence (Kass, Raftery 1995), by which the criterion has to prefer the best to others
@@ -40,8 +35,6 @@ class Judgement:
 
 
 def judged(
-    bench: Bench,
-    base: Trial,
     best: Trial,
     trials: Sequence[Trial],
     removed: float,
@@ -52,8 +45,7 @@ def judged(
 
     Parameters
     ----------
-    bench : Bench
-    base, best : Trial
+    best : Trial
     trials : sequence of Trial
     removed : float
         Share of the held-out gap above the noise that is gone.
@@ -74,7 +66,7 @@ def judged(
     if near > NOISE and not removed >= 1 - NEAR:
         failed.append(f"what is left is {near:.1f} times the noise")
     failed += _unphysical(best)
-    failed += _uncertain(best)
+    failed += idle(best).values()
     rivals = tuple(rival for rival in trials if _rivals(best, rival))
     if failed and not above and removed < HALF:
         return Judgement(Verdict.NONE, (best,), tuple(failed))
@@ -111,16 +103,4 @@ def _unphysical(best: Trial) -> list[str]:
         gone = [key for key, absent in item.effect.absent.items() if values[key] == absent]
         if wrong or (gone and len(gone) == len(item.effect.absent)):
             words.append(f"{', '.join(wrong or gone)} of {item.label} would have to be negative")
-    return words
-
-
-def _uncertain(best: Trial) -> list[str]:
-    """Say which effects have a size that the data do not tell from zero."""
-    words = []
-    for item, grafted in zip(best.added, best.grafts, strict=True):
-        for key in item.effect.linear[:1]:
-            name = grafted.parameters[key]
-            value, std = best.values.get(name, math.nan), best.fit.std.get(name, math.inf)
-            if not std < abs(value):
-                words.append(f"{key} of {item.label} is uncertain: {value:.3g} +- {std:.2g}")
     return words

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 import numpy
 
 from ..latent.relax import Course, Relaxed, followed
-from .prepare import Prepared
+from ..measurement.quality import NORMAL
+from .prepare import FEW, Prepared
 
 if TYPE_CHECKING:
     from .search import Found
@@ -17,8 +18,6 @@ if TYPE_CHECKING:
 Array = numpy.ndarray
 
 FAR = 6.0  # robust standard deviations
-NORMAL = 1.4826
-FEW = 0.02  # of the samples; more are no outliers but something that is missing
 
 
 def without_outliers(

@@ -104,13 +104,12 @@ def prepared(measurement: Measurement, graph: BondGraph) -> tuple[Prepared, tupl
         if not floor.reliable:
             told.append(f"{measurement.name}: the noise of {name!r} is uncertain, {floor.reason}")
         columns[name] = kept
-    drives = {name: samples for name, samples in item.inputs.items()}
-    for name, samples in drives.items():
+    for name, samples in item.inputs.items():
         columns[name] = _spread(item.t, samples.times, samples.values)
     plain = Measurement(
         item.t,
         columns,
-        holds={name: samples.hold for name, samples in drives.items()},
+        holds={name: samples.hold for name, samples in item.inputs.items()},
         initial=dict(item.initial),
         name=measurement.name,
     )

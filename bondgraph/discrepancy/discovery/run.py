@@ -12,7 +12,7 @@ from ...errors import LawError, MeasurementError, ParameterError, SimulationErro
 from ...graph import BondGraph
 from ...parameters import unknown_name
 from ...simulation import CompiledModel
-from ...units import to_si
+from ...units import from_si, si_unit
 from ...values import parameter_values
 from ..candidates import Effect
 from ..candidates.table import effects as effects_of
@@ -229,7 +229,7 @@ def _told(
         item.before > ABOVE * floors[name] and _sure(bench, name)
         for name, item in gap["train"].items()
     ) and not near_noise(base, bench)
-    said = judged(bench, base, best, found.trials, share, near, above)
+    said = judged(best, found.trials, share, near, above)
     loose = _number_off(bench, held, starts, found, tested)
     if loose is not None:
         number_share = gap_share(explained, loose, tested, gap_of, scale)
@@ -395,15 +395,11 @@ def _alternatives(
 def _own(bench: Bench, trial: Trial) -> dict[str, Estimate]:
     table = {symbol.name: row for symbol, row in bench.graph.parameters.items()}
     return {
-        name: Estimate(trial.values[name], trial.fit.std.get(name, math.inf), _si(table[name].unit))
+        name: Estimate(
+            trial.values[name], trial.fit.std.get(name, math.inf), si_unit(table[name].unit)
+        )
         for name in bench.free
     }
-
-
-def _si(unit: Any) -> str:
-    from ...units import si_unit
-
-    return si_unit(str(unit)) if unit else ""
 
 
 def fitted(trial: Trial) -> BondGraph:
@@ -411,8 +407,6 @@ def fitted(trial: Trial) -> BondGraph:
     table = {}
     for symbol, row in trial.graph.parameters.items():
         if symbol.name in trial.values:
-            one = to_si(1.0, row.unit) - to_si(0.0, row.unit)
-            value = (trial.values[symbol.name] - to_si(0.0, row.unit)) / one
-            row = replace(row, value=row.value * 0 + value)
+            row = replace(row, value=from_si(trial.values[symbol.name], row.unit))
         table[symbol] = row
     return replace(trial.graph, parameters=table)

@@ -10,21 +10,19 @@ from dataclasses import dataclass, replace
 import numpy
 
 from ...errors import BondGraphError, SimulationError
-from ...graph import BondGraph
 from ...simulation import CompiledModel
 from ..candidates import Effect
 from ..latent.null import threshold
 from ..latent.probes import probed
 from ..latent.relax import LONGEST, Relaxed, relaxed
 from ..latent.screen import Hypothesis, Sketch, sketched
-from .bench import Added, Bench, Draft, Trial
+from .bench import Added, Bench, Draft, Trial, idle, label_of
 from .compare import delta_bic, preference
 from .constants import Constant, constant_off
-from .gaps import WHITE, sizes
+from .gaps import WHITE, floor, sizes
 from .outliers import without_outliers
 from .trial import drafted, fitted_from, tried
 
-Array = numpy.ndarray
 Tell = Callable[[str], object]
 
 MOST = 3  # effects
@@ -96,12 +94,12 @@ def searched(bench: Bench, signals: Sequence[str], effects: Sequence[Effect], te
         Where not even the model by itself can be fitted.
     """
     tell("screening every effect at every site")
-    sketch = _sketched(bench, bench.graph, signals, effects, {})
+    sketch = _sketched(bench, bench.model, signals, effects, {})
     cleaned, said = without_outliers(sketch.relaxed, bench.recordings)
     if said:
         tell("screening again without outliers")
         bench = replace(bench, recordings=cleaned)
-        sketch = _sketched(bench, bench.graph, signals, effects, {})
+        sketch = _sketched(bench, bench.model, signals, effects, {})
     bench = replace(bench, starts=starts_of(sketch.relaxed, bench), ways=ways_of(sketch.relaxed))
     tell("fitting the model by itself")
     base = tried(bench, (), [bench.given])
@@ -116,7 +114,7 @@ def searched(bench: Bench, signals: Sequence[str], effects: Sequence[Effect], te
         # what is left is small beside what its own parameters being off would do
         tell("screening again with fitted parameters")
         guesses = [row.initial for row in base.measurements]
-        sketch = _sketched(bench, bench.graph, signals, effects, base.values, guesses)
+        sketch = _sketched(bench, bench.model, signals, effects, base.values, guesses)
         beside = None
     else:
         tell("scoring along the model's own run")
@@ -143,7 +141,7 @@ def searched(bench: Bench, signals: Sequence[str], effects: Sequence[Effect], te
         tell(f"screening again beside {current.label}")
         try:
             guesses = [row.initial for row in current.measurements]
-            sketch = _sketched(bench, current.graph, signals, effects, current.values, guesses)
+            sketch = _sketched(bench, current.model, signals, effects, current.values, guesses)
             beside = _along_runs(bench, current, signals, effects)
         except BondGraphError as error:
             warnings.append(f"no second search: {error}")
@@ -184,7 +182,7 @@ def _along_runs(
     """
     guesses = [row.initial for row in trial.measurements]
     try:
-        return _sketched(bench, trial.graph, signals, effects, trial.values, guesses, rounds=0)
+        return _sketched(bench, trial.model, signals, effects, trial.values, guesses, rounds=0)
     except BondGraphError:
         return None
 
@@ -192,10 +190,7 @@ def _along_runs(
 def _lost(trial: Trial, bench: Bench) -> bool:
     """Whether a fit is hardly nearer to the data than their mean."""
     size = sizes(bench.recordings)
-    return any(
-        (squares / trial.counts[name]) ** 0.5 > LOST * size[name]
-        for name, squares in trial.squares.items()
-    )
+    return any(trial.rmse(name) > LOST * size[name] for name in trial.squares)
 
 
 def _nearer(one: Trial, other: Trial | BondGraphError) -> Trial:
@@ -211,25 +206,23 @@ def white(trial: Trial) -> bool:
 
 def near_noise(trial: Trial, bench: Bench) -> bool:
     """Whether all that is left of every signal is noise."""
-    for name, squares in trial.squares.items():
-        noise = [row.noise[name] for row in bench.recordings if name in row.noise]
+    for name in trial.squares:
         sure = all(row.told.get(name, False) for row in bench.recordings if name in row.noise)
-        floor = float(numpy.sqrt(numpy.mean(numpy.square(noise))))
-        if not sure or (squares / trial.counts[name]) ** 0.5 > 1.03 * floor:
+        if not sure or trial.rmse(name) > 1.03 * floor(bench.recordings, name):
             return False
     return True
 
 
 def _sketched(
     bench: Bench,
-    graph: BondGraph,
+    runs: CompiledModel,
     signals: Sequence[str],
     effects: Sequence[Effect],
-    values: dict[str, float],
+    values: Mapping[str, float],
     guesses: Sequence[Mapping[str, float]] = (),
     **options: int,
 ) -> Sketch:
-    probes = probed(graph, effects, bench.graph)
+    probes = probed(runs.equations.graph, effects, bench.graph)
     model = CompiledModel(probes.graph)
     if model.equations.algebraic:
         raise SimulationError(
@@ -249,7 +242,7 @@ def _sketched(
         [probe.parameter for probe in probes.probes],
         [probe.errs for probe in probes.probes],
         {**bench.given, **values},
-        CompiledModel(graph),
+        runs,
         **options,
     )
     return sketched(found, probes, effects)
@@ -348,7 +341,7 @@ def _drafts(
     for item in [*wanted, *pairs, *(item for item in others if item.gain > WORTH)]:
         added = (*current.added, *(_added(item, i) for i in range(len(item.candidates))))
         added = tuple({each.label: each for each in added}.values())
-        label = " + ".join(sorted(each.label for each in added))
+        label = label_of(added)
         if label in done or len(added) <= len(current.added) or _one_contact(added):
             continue
         done.add(label)
@@ -430,25 +423,14 @@ def _own(sketch: Sketch, item: Hypothesis) -> dict[str, float]:
     return table.given(sketch.relaxed.values + item.own * min(1.0, LONGEST / longest))
 
 
-def idle(trial: Trial) -> set[str]:
-    """Return the labels of effects whose size the data do not tell from zero."""
-    found = set()
-    for item, grafted in zip(trial.added, trial.grafts, strict=True):
-        for key in item.effect.linear[:1]:
-            name = grafted.parameters[key]
-            if not trial.fit.std.get(name, 0.0) < abs(trial.values.get(name, 1.0)):
-                found.add(item.label)
-    return found
-
-
 def _without(bench: Bench, base: Trial, current: Trial, trials: list[Trial], tell: Tell) -> Trial:
     """Drop effects that others have made needless."""
     while len(current.added) > 1:
         fewer = []
         for item in current.added:
-            rest = tuple(each for each in _kept(current, current.added) if each is not item)
-            rest = tuple(each for each in rest if each.label != item.label)
-            label = " + ".join(sorted(each.label for each in rest))
+            kept = _kept(current, current.added)
+            rest = tuple(each for each in kept if each.label != item.label)
+            label = label_of(rest)
             same = [trial for trial in trials if trial.label == label]
             # beside an effect that does nothing, the others may have come further
             if not same or item.label in idle(current):

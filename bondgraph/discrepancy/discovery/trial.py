@@ -14,16 +14,14 @@ from ...graph import BondGraph
 from ...simulation import CompiledModel
 from ..fitting import Fit, fit
 from ..grafting import Grafted
-from ..latent.relax import eased
+from ..latent.relax import LOOSE, eased
 from ..measurement import Measurement
 from ..screening.run import own_parameters
 from .begin import begun_at, fitted_by, grown, open_states, started, ties_of
-from .bench import LOOSE, Added, Bench, Draft, Trial
+from .bench import Added, Bench, Draft, Trial
 from .follow import far, nearest
 from .horizon import grown_horizon
 from .prepare import Prepared
-
-Array = numpy.ndarray
 
 STEPS = 40
 HELD = 1e-9  # of a value that is known
@@ -62,7 +60,7 @@ def drafted(
     """Grow effects into the graph and ease a fit in; what goes wrong is an answer."""
     try:
         graph, grafts = grown(bench.graph, added)
-        model = CompiledModel(graph)
+        model = CompiledModel(graph) if added else bench.model
     except BondGraphError as error:
         return error
     if model.equations.algebraic and model.equations.contacts:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import numpy
 
+from ..measurement.quality import NORMAL
+
 Array = numpy.ndarray
 
 
@@ -30,7 +32,7 @@ def spread(residuals: Array, unknowns: float, robust: bool) -> float:
     n = len(residuals)
     share = n / max(n - unknowns, 1.0)
     if robust:
-        return float(1.4826 * numpy.median(numpy.abs(residuals)) * share**0.5)
+        return float(NORMAL * numpy.median(numpy.abs(residuals)) * share**0.5)
     return float((residuals @ residuals / n * share) ** 0.5)
 
 

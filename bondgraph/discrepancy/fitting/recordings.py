@@ -10,8 +10,8 @@ import numpy
 
 from ...errors import MeasurementError
 from ...simulation import CompiledModel, Samples
-from ...units import to_si
 from ..measurement import Measurement
+from ..measurement.units import scaled
 
 Array = numpy.ndarray
 
@@ -66,7 +66,7 @@ def recorded(measurement: Measurement, model: CompiledModel) -> Recording:
     known = {symbol.name for symbol in model.equations.graph.inputs}
     signals = set(model.names)
     for name, column in measurement.columns.items():
-        values = _in_si(column, measurement.units.get(name, ""))
+        values = scaled(column, measurement.units.get(name, ""))
         if name in known:
             there = numpy.isfinite(values)
             hold = measurement.holds.get(name, "linear")
@@ -84,11 +84,3 @@ def recorded(measurement: Measurement, model: CompiledModel) -> Recording:
             f"is nothing to fit; it has {', '.join(model.equations.outputs) or 'none'}"
         )
     return Recording(measurement.name, measurement.t, data, inputs, dict(measurement.initial))
-
-
-def _in_si(column: Array, unit: str) -> Array:
-    """Convert by the two points that fix an affine map (temperatures have an offset)."""
-    if not unit:
-        return column
-    zero = to_si(0.0, unit)
-    return zero + (to_si(1.0, unit) - zero) * column

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import Any
 
 import sympy
 
 from ...elements import De, Df, Element
-from ...equations import derive
+from ...equations import Equations, derive
 from ...errors import BondGraphError, GraphError, ParameterError
 from ...graph import BondGraph, GraphBond, Output
 from ...graph.structure import check_structure, disconnected
@@ -46,6 +46,8 @@ class Grafted:
         What changed, one line each as text.
     starts : mapping of str to Expr
         New states that begin where variables of the graph begin.
+    equations : Equations
+        Of the new graph.
     """
 
     graph: BondGraph
@@ -56,6 +58,7 @@ class Grafted:
     parameters: Mapping[str, str]
     edits: tuple[Edit, ...]
     starts: Mapping[str, sympy.Expr]
+    equations: Equations = field(repr=False)
 
     def ties(
         self, states: Iterable[str], parameters: Mapping[Any, Any] | None = None
@@ -191,10 +194,11 @@ def graft(
     rows = _rows(graph, chosen, where, symbols, parameters or {}, scale)
     grown, labels = _grown(_unsensed(graph, where), where, place, change, prefix, rows)
     try:
-        states = {state.name for state in derive(grown).states}
+        equations = derive(grown)
     except BondGraphError as error:
         words = f"{chosen.name} at {where.name!r} of graph {graph.name!r}: {error}"
         raise type(error)(words, elements=error.elements, bonds=error.bonds) from None
+    states = {state.name for state in equations.states}
     changed = tuple(labels[new] for new in labels if labels[new] not in graph.elements)
     changed += tuple(labels[new] for new in change.replaced.values())
     named = {
@@ -212,6 +216,7 @@ def graft(
         MappingProxyType({key: symbol.name for key, symbol in symbols.items()}),
         edits_of(graph, grown),
         MappingProxyType(named),
+        equations,
     )
 
 

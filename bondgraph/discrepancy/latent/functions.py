@@ -118,7 +118,7 @@ class Functions:
         self._slips = casadi.Function("slips", arguments, [slip])
         self._signals = casadi.Function("signals", [*arguments, pushed], [said, rising])
 
-    def at(self, t: Array, x: Array, u: Array, p: Array, calm: Array | float = 0.0) -> Points:
+    def at(self, t: Array, x: Array, u: Array, p: Array) -> Points:
         """Evaluate rates, outputs and their derivatives.
 
         Parameters
@@ -128,25 +128,21 @@ class Functions:
         u : (nt, m) array
         p : (np,) array
             All parameters of the equations, in their order.
-        calm : float or (k,) array
-            Slip of each contact below which its direction is blurred.
         """
         n, ny, q = x.shape[1], len(self.outputs), len(self.wanted)
-        s = self._directions(t, x, u, p, calm)
+        s = self._directions(t, x, u, p)
         rates, outputs, by_x, by_p = self._mapped(self._point, t, x, u, p, s)
         by_x, by_p = by_x.reshape(len(t), n, n + ny), by_p.reshape(len(t), q, n + ny)
         by_x, by_p = by_x.transpose(0, 2, 1), by_p.transpose(0, 2, 1)
         return Points(rates, outputs, by_x[:, :n], by_x[:, n:], by_p[:, :n], by_p[:, n:])
 
-    def signals(
-        self, t: Array, x: Array, u: Array, p: Array, calm: Array | float = 0.0
-    ) -> tuple[Array, Array]:
+    def signals(self, t: Array, x: Array, u: Array, p: Array) -> tuple[Array, Array]:
         """Return the named signals and their rates by the model, each (nt, number of signals).
 
         Rates of a smoothed course would carry the model's own error, which a regression of that
         error must not contain.
         """
-        s = self._directions(t, x, u, p, calm)
+        s = self._directions(t, x, u, p)
         pushed = numpy.gradient(u, t, axis=0) if len(t) > 1 else numpy.zeros_like(u)
         said, rising = self._mapped(self._signals, t, x, u, p, s, pushed)
         return said, rising
@@ -156,12 +152,12 @@ class Functions:
         s = numpy.ones((len(t), len(self.equations.contacts)))
         return self._mapped(self._slips, t, x, u, p, s)[0]
 
-    def _directions(self, t: Array, x: Array, u: Array, p: Array, calm: Array | float) -> Array:
+    def _directions(self, t: Array, x: Array, u: Array, p: Array) -> Array:
         if not self.equations.contacts:
             return numpy.zeros((len(t), 0))
         slip = self.slips(t, x, u, p)
         size = numpy.quantile(numpy.abs(slip), 0.95, axis=0)
-        return numpy.asarray(numpy.tanh(slip / numpy.maximum(0.01 * size + calm, 1e-300)))
+        return numpy.asarray(numpy.tanh(slip / numpy.maximum(0.01 * size, 1e-300)))
 
     def _mapped(
         self,

@@ -14,7 +14,7 @@ from ...graph import BondGraph
 from ..screening.classes import SAME, Splitter, ambiguity_classes, splitters
 from .functions import Functions
 from .linear import along
-from .screen import Reduced, Sketch, _responses
+from .screen import Reduced, Sketch, responses
 
 Array = numpy.ndarray
 
@@ -123,7 +123,7 @@ def splitting(
         nothing = numpy.zeros((len(course.record.t), len(names)))
         p = found.table.vector(found.values)
         lines, *points = along(functions, course.grid, course.x, p, nothing)
-        forced, felt = _responses(
+        forced, felt = responses(
             course, lines, (points[0], points[1]), values, sketch.columns, count
         )
         amounts = _mixing(sketch, [chosen[label] for label in members])
@@ -194,6 +194,14 @@ def _mixing(sketch: Sketch, chosen: Sequence[int]) -> Array:
     return mixed
 
 
+def carried(graph: BondGraph) -> tuple[str, ...]:
+    """Return the names of what junctions carry: the flow of each 1, the effort of each 0."""
+    return tuple(
+        f"{label}.{'f' if isinstance(junction, One) else 'e'}"
+        for label, junction in graph.of((One, Zero))
+    )
+
+
 def _wider(
     equations: Equations, graph: BondGraph, measured: Sequence[str]
 ) -> tuple[Equations, tuple[str, ...]]:
@@ -201,10 +209,7 @@ def _wider(
     found: dict[str, sympy.Expr] = {
         state.name: state for state in equations.states if state.name.endswith(".q")
     }
-    for label, element in graph.elements.items():
-        carried = f"{label}.f" if isinstance(element, One) else f"{label}.e"
-        if isinstance(element, One | Zero) and carried in equations.ports:
-            found[carried] = equations.ports[carried]
+    found |= {name: equations.ports[name] for name in carried(graph) if name in equations.ports}
     outputs = {**equations.outputs, **found}
     names = tuple(name for name in outputs if name not in measured)
     return replace(equations, outputs=outputs), names

@@ -69,7 +69,6 @@ def along(
     x: Array,
     p: Array,
     measured: Array,
-    calm: Array | float = 0.0,
 ) -> tuple[Along, Points, Points]:
     """Linearise a model along a course.
 
@@ -82,8 +81,6 @@ def along(
     p : (np,) array
     measured : (ns, ny) array
         NaN at gaps.
-    calm : float or array
-        See `Functions.at`.
 
     Returns
     -------
@@ -97,9 +94,9 @@ def along(
     -----
     Exponential trapezoidal rule: exact for linear models whose inputs are steps or straight lines.
     """
-    after = functions.at(grid.t, x, grid.after, p, calm)
+    after = functions.at(grid.t, x, grid.after, p)
     same = numpy.array_equal(grid.before, grid.after)
-    before = after if same else functions.at(grid.t, x, grid.before, p, calm)
+    before = after if same else functions.at(grid.t, x, grid.before, p)
     h = numpy.diff(grid.t)
     mean = 0.5 * (after.rates_x[:-1] + before.rates_x[1:])
     constant = len(mean) > 1 and numpy.ptp(mean, axis=0).max() <= 1e-12 * numpy.abs(mean).max()

@@ -11,12 +11,12 @@ from dataclasses import dataclass
 
 import sympy
 
-from ...elements import Friction, I, One, R, Se, Sf
+from ...elements import I, One, R, Se, Sf
 from ...equations import derive
 from ...errors import BondGraphError
 from ...graph import BondGraph
 from ..candidates import Change, Coefficient, Effect, Place
-from ..candidates.builders import resourced
+from ..candidates.builders import resourced, stands_for, weakened
 from ..candidates.places import (
     BOND,
     DISSIPATOR,
@@ -25,6 +25,7 @@ from ..candidates.places import (
     FLOW_JUNCTION,
     FLOW_PAIR,
     INERTIA,
+    JUNCTIONS,
     OUTPUT,
     SOURCE,
 )
@@ -32,7 +33,6 @@ from ..grafting import Site, graft, sites
 from ..grafting.local import displacement, relative
 
 AMOUNT = Coefficient("amount", "", "unknown effort or flow", lambda s: 0.0, 0.0, True, signed=True)
-JUNCTIONS = (FLOW_JUNCTION, FLOW_PAIR, EFFORT_JUNCTION, EFFORT_PAIR)
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,7 +106,8 @@ def probed(graph: BondGraph, effects: Iterable[Effect], within: BondGraph | None
     """
     known = tuple(effects)
     grown, probes, refused = graph, [], []
-    rates = set(derive(graph).input_rates)
+    equations = derive(graph)
+    rates = set(equations.input_rates)
     names = {site.name for site in sites(within or graph)}
     for site in sites(graph):
         if not any(site.fits(effect) for effect in known) or site.name not in names:
@@ -116,13 +117,13 @@ def probed(graph: BondGraph, effects: Iterable[Effect], within: BondGraph | None
         except BondGraphError as error:
             refused.append((site.name, str(error)))
             continue
-        if set(derive(found.graph).input_rates) - rates:
+        if set(found.equations.input_rates) - rates:
             refused.append((site.name, "it would ask for the rate of an input"))
             continue
-        grown = found.graph
+        grown, equations = found.graph, found.equations
         amount, said = found.parameters["amount"], _signals(graph, site)
         probes.append(Probe(site, amount, said, _behind(graph, site)))
-    felt = {symbol.name for symbol in derive(grown).parameters}  # what nothing depends on is not
+    felt = {symbol.name for symbol in equations.parameters}  # what nothing depends on is not
     return Probed(
         grown, tuple(probe for probe in probes if probe.parameter in felt), tuple(refused)
     )
@@ -182,25 +183,11 @@ def _added_flow(place: Place, law: Law, symbols: Symbols) -> Change:
         flow=lambda p: (old.law + law["amount"]).xreplace({old.p: p}),
         initial=old.initial,
     )
-    twin = new.replaced({new.symbols[key]: symbol for key, symbol in old.symbols.items()})
-    return Change(replaced={old: twin})
+    return Change(replaced={old: stands_for(new, old)})
 
 
 def _weakened(place: Place, law: Law, symbols: Symbols) -> Change:
-    old, share = place.element, 1 - law["amount"]
-    if isinstance(old, Friction):
-        new: R | Friction = Friction(
-            old.name,
-            kinetic=lambda speed: share * old.kinetic.xreplace({old.speed: speed}),
-            breakaway=share * old.breakaway,
-            smoothing=old.smoothing,
-        )
-    elif old.effort is not None:
-        new = R(old.name, effort=lambda f: share * old.effort.xreplace({old.f: f}))
-    else:
-        new = R(old.name, flow=lambda e: old.flow.xreplace({old.e: e / share}))
-    twin = new.replaced({new.symbols[key]: symbol for key, symbol in old.symbols.items()})
-    return Change(replaced={old: twin})
+    return Change(replaced={place.element: weakened(place.element, 1 - law["amount"])})
 
 
 _BUILDERS = {

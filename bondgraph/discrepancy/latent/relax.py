@@ -96,13 +96,10 @@ class Relaxed:
     courses : tuple of Course
     error : float
         Of the model, as a share of rates, each sample its own.
-    rates : (n,) array
-        Root mean square of the states' rates.
     ways : (n, n) array
         Covariance of the directions in which the model errs, for an error of one.
     likelihood : float
         Twice the negative logarithm, but for a constant.
-    rtol : float
     """
 
     functions: Functions
@@ -129,7 +126,9 @@ class Relaxed:
         """Return what the smoother trusts."""
         error = self.error if error is None else error
         interval = float(numpy.median(numpy.diff(course.record.t)))
-        start = numpy.where(numpy.isfinite(course.start), 1e-3 * _range(course.x), numpy.inf)
+        start = numpy.where(
+            numpy.isfinite(course.start), 1e-3 * numpy.ptp(course.x, axis=0), numpy.inf
+        )
         start = numpy.where(start > 0, start, numpy.inf)
         return Weights(error**2 * interval * self.ways, course.record.noise, start)
 
@@ -138,10 +137,6 @@ class Relaxed:
         off = numpy.where(numpy.isfinite(course.start), course.start - course.x[0], 0.0)
         h = numpy.diff(course.grid.t)
         return smoothed(found, h, course.grid.samples, self.weights(course, error), off)
-
-
-def _range(x: Array) -> Array:
-    return numpy.asarray(numpy.ptp(x, axis=0))
 
 
 def relaxed(
@@ -166,7 +161,9 @@ def relaxed(
     free : sequence of str
         Own parameters that may be wrong.
     sites : sequence of str
-        Parameters whose value is zero and through which the model may err: efforts and flows.
+        Parameters whose value is zero: efforts and flows.
+    errs : sequence of bool
+        Through which of them the model may err.
     parameters : mapping, optional
         Values to start from.
     runs : CompiledModel, optional
@@ -224,7 +221,6 @@ def eased(
     free: Sequence[str],
     parameters: Mapping[str, float],
     ways: Mapping[tuple[str, str], float],
-    courses: Sequence[Course] | None = None,
 ) -> Relaxed:
     """Fit parameters while the model's error is made ever smaller.
 

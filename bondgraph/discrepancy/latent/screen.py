@@ -237,7 +237,7 @@ def _reduced(found: Relaxed, columns: Columns, error: float) -> Reduced:
     used = len(found.table.used)
     slopes = found.table.slopes(found.values)
     for (course, lines, before, after), values in zip(found.linear(), columns.values, strict=True):
-        forced, felt = _responses(course, lines, (before, after), values, columns, used)
+        forced, felt = responses(course, lines, (before, after), values, columns, used)
         table = lines.with_columns(
             numpy.concatenate([lines.forced[:, :, :used] @ slopes, forced], axis=2),
             numpy.concatenate([lines.felt[:, :, :used] @ slopes, felt], axis=2),
@@ -260,7 +260,7 @@ def _reduced(found: Relaxed, columns: Columns, error: float) -> Reduced:
     return Reduced(error, cleared, own, log_det, count)
 
 
-def _responses(
+def responses(
     course: Course,
     lines: Along,
     points: tuple[Points, Points],

@@ -18,10 +18,8 @@ from ...graph import BondGraph
 from ..candidates import DISPLACEMENT, EFFORT, FLOW, Change, Coefficient, Effect, Place, Scale
 from ..candidates import effects as effects_of
 from ..candidates.builders import source
-from ..candidates.places import EFFORT_JUNCTION, EFFORT_PAIR, FLOW_JUNCTION, FLOW_PAIR
+from ..candidates.places import FLOW_JUNCTION, FLOW_PAIR, JUNCTIONS
 from ..grafting import Site, graft, sites
-
-JUNCTIONS = (FLOW_JUNCTION, FLOW_PAIR, EFFORT_JUNCTION, EFFORT_PAIR)
 
 
 @dataclass(frozen=True)

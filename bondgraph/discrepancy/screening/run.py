@@ -13,11 +13,11 @@ from ...errors import BondGraphError
 from ...graph import BondGraph
 from ...simulation import CompiledModel, simulate
 from ..candidates import Effect, Scale
-from ..candidates.places import FLOW_JUNCTION, FLOW_PAIR
+from ..candidates.places import FLOW_JUNCTION, FLOW_PAIR, JUNCTIONS
 from ..grafting import Site, sites
 from ..measurement import Matched, Measurement, matched
 from ..measurement.noise import noise_floor
-from .bank import JUNCTIONS, Bank, Probe, bank
+from .bank import Bank, Probe, bank
 from .classes import ambiguity_classes
 from .segments import Record, Segmented, best_length
 

@@ -46,7 +46,7 @@ DRAG = trial(4.0, "quadratic_drag")
 
 
 def judge(best, others=(), removed=1.0, near=1.0, above=True, base=BASE):
-    return judged(SimpleNamespace(), base, best, (best, *others), removed, near, above)
+    return judged(best, (best, *others), removed, near, above)
 
 
 def test_the_criterion_is_that_of_bayes():

@@ -10,7 +10,7 @@ import pytest
 from bondgraph.discrepancy.candidates import EFFECTS
 from bondgraph.discrepancy.grafting import graft
 from bondgraph.discrepancy.latent.columns import columns_of
-from bondgraph.discrepancy.latent.screen import _responses
+from bondgraph.discrepancy.latent.screen import responses
 
 from ..machines import MACHINES
 from .made import alone, drives, run, times
@@ -42,7 +42,7 @@ def test_a_column_does_what_the_element_does(machine, name, site, little):
     columns = columns_of(found, probes, [effect])
     number = next(i for i, c in enumerate(columns.candidates) if c.site.name == site)
     ((course, lines, before, after),) = found.linear()
-    forced, felt = _responses(course, lines, (before, after), columns.values[0], columns, 0)
+    forced, felt = responses(course, lines, (before, after), columns.values[0], columns, 0)
     at = columns.groups[number][0]  # a spring of unknown rest has a constant beside
     moved = numpy.zeros(course.x.shape)
     for k in range(len(course.grid) - 1):
