@@ -86,7 +86,7 @@ def _differences(rows: Array) -> Array:
     """Newton's forward differences of orders 0 to 4."""
     found = [rows[0]]
     while len(rows) > 1:
-        rows = np.diff(rows, axis=0)
+        rows = rows[1:] - rows[:-1]
         found.append(rows[0])
     return np.array(found)
 
@@ -317,9 +317,9 @@ class Stepper:
         b = np.where(self.code != 0, 0.0, self.sample[:, : self.k] + np.abs(a))
         return _differences(a), _differences(b)
 
-    def find_dip(self, before: int) -> tuple[int, float] | None:
+    def find_dip(self, before: int, curves: tuple[Array, Array]) -> tuple[int, float] | None:
         """A dip below zero between samples above it: the sample before, the fraction."""
-        a, b = self.curves()
+        a, b = curves
         rough = np.abs(a[4]) + np.abs(b[4])
         bend = _weighted(np.array([1.0, 2.0, 3.0]), np.abs(a[2:]) + np.abs(b[2:]))
         for j in range(self.k):
@@ -337,9 +337,9 @@ class Stepper:
                 return int(z), 0.25 * z
         return None
 
-    def guards_unresolved(self, first: int) -> bool:
+    def guards_unresolved(self, first: int, curves: tuple[Array, Array]) -> bool:
         """Whether a dip below zero could hide between samples before `first`."""
-        a, b = self.curves()
+        a, b = curves
         rough = np.abs(a[4]) + np.abs(b[4])
         change = np.abs(np.diff(self.sample[:, self.k :], axis=0)).max(axis=0)
         least = self.sample[:first, : self.k].min(axis=0)
@@ -393,12 +393,12 @@ class Stepper:
             self.sample[c] = self.guard(self.t + 0.25 * c * h, self.interpolate(0.25 * c)[: self.n])
         self.sample[4] = self.guard(self.t + h, self.x_new[: self.n])
 
-        first = self.first_below()
-        if self.halvings < MAX_HALVINGS and self.guards_unresolved(first):
+        first, curves = self.first_below(), self.curves()
+        if self.halvings < MAX_HALVINGS and self.guards_unresolved(first, curves):
             self.halvings += 1
             self.h = 0.5 * h
             raise _Retry
-        dip = self.find_dip(first)
+        dip = self.find_dip(first, curves)
         if dip is not None:
             low, part = dip
         elif first < 5:

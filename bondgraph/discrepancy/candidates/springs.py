@@ -187,6 +187,7 @@ END_STOP = Effect(
     shapes=tuple(_pushed(share, sides) for share in (0.7, 0.85, 0.95) for sides in _SIDES),
     states=_POSITION,
     events=True,
+    impacts=True,
 )
 
 
@@ -325,5 +326,6 @@ RUN_OUT = Effect(
     domains=MECHANICAL,
     shapes=(*map(_turns, (1, 2, 3, 4, 6, 8, 12, 24)), *map(_lengths, (1, 2, 4, 8, 16))),
     states=_POSITION,
+    periodic=True,
 )
 SPRINGS = (LINEAR, CUBIC, DEAD_ZONE, END_STOP, HYSTERESIS, COUPLING, RUN_OUT)

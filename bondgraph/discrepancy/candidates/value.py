@@ -124,6 +124,10 @@ class Effect:
         Whether it can give no energy that it was not given, with admissible coefficients.
     events : bool
         Whether it switches at located events.
+    impacts : bool
+        Whether states jump there.
+    periodic : bool
+        Whether another displacement to begin with is the same as other coefficients.
 
     Raises
     ------
@@ -150,6 +154,8 @@ class Effect:
     states: tuple[str, ...] = ()
     passive: bool = True
     events: bool = False
+    impacts: bool = False
+    periodic: bool = False
 
     def __post_init__(self) -> None:
         unknown = [kind for kind in self.sites if kind not in KINDS]

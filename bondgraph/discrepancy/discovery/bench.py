@@ -14,7 +14,9 @@ from ..fitting import Fit
 from ..grafting import Grafted, Site
 from ..latent.relax import LOOSE
 from ..measurement import Measurement
-from .prepare import Prepared
+from .prepare import Prepared, floor
+
+NEAR = 1.03  # times its noise, a gap is noise
 
 
 @dataclass(frozen=True, eq=False)
@@ -218,3 +220,12 @@ class Draft:
     def terms(self) -> int:
         """Coefficients that the effects brought."""
         return terms_of(self.added)
+
+
+def near_noise(trial: Trial, bench: Bench, times: float = NEAR) -> bool:
+    """Whether all that is left of every signal is noise, or so many times it."""
+    for name in trial.squares:
+        sure = all(row.told.get(name, False) for row in bench.recordings if name in row.noise)
+        if not sure or trial.rmse(name) > times * floor(bench.recordings, name):
+            return False
+    return True

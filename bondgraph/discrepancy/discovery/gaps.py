@@ -13,7 +13,7 @@ from ...graph import BondGraph
 from ...simulation import CompiledModel
 from .bench import Bench, Trial
 from .follow import followed
-from .prepare import Prepared
+from .prepare import Prepared, floor
 from .trial import again
 from .value import Course, Gap
 
@@ -101,12 +101,6 @@ def rmse(recordings: Sequence[Prepared], runs: Runs, name: str) -> float:
             squares += float(((run[name] - measured)[there] ** 2).sum())
             count += int(there.sum())
     return math.sqrt(squares / count) if count else math.nan
-
-
-def floor(recordings: Sequence[Prepared], name: str) -> float:
-    """Return the noise of a signal by differences, root mean square over recordings."""
-    found = [row.noise[name] for row in recordings if name in row.noise]
-    return float(numpy.sqrt(numpy.mean(numpy.square(found)))) if found else math.nan
 
 
 def noises(recordings: Sequence[Prepared], best: Trial) -> dict[str, float]:

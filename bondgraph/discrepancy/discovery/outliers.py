@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 Array = numpy.ndarray
 
 FAR = 6.0  # robust standard deviations
+ROUNDS = 3
+BESIDE = 3  # samples on either side of an outlier are drawn along by it
 
 
 def without_outliers(
@@ -52,7 +54,14 @@ def cleared(found: Found, held: Sequence[Prepared]) -> list[Prepared]:
     """Leave outliers out of other recordings, as they were of those learned from."""
     relaxed = found.sketches[0].relaxed
     signals = relaxed.functions.outputs
-    return [_cleaned(relaxed, row, [followed(relaxed, row.record(signals))])[0] for row in held]
+    cleaned = []
+    for row in held:
+        for _ in range(ROUNDS):
+            row, words = _cleaned(relaxed, row, [followed(relaxed, row.record(signals))])
+            if not words:
+                break
+        cleaned.append(row)
+    return cleaned
 
 
 def _cleaned(
@@ -68,6 +77,8 @@ def _cleaned(
             spread = NORMAL * float(numpy.nanmedian(numpy.abs(off)))
             with numpy.errstate(invalid="ignore"):
                 marked = numpy.abs(off) > FAR * max(spread, course.record.noise[place])
+            if marked.sum() > FEW * len(marked):
+                marked &= _peaks(numpy.abs(off))
             far[numpy.searchsorted(row.plain.t, course.record.t[marked])] = True
         if 0 < far.sum() <= FEW * len(far):
             columns[name] = numpy.where(far, numpy.nan, columns[name])
@@ -77,6 +88,13 @@ def _cleaned(
     if not words:
         return row, []
     return replace(row, plain=row.plain.changed(columns=columns)), words
+
+
+def _peaks(off: Array) -> Array:
+    """Return which values are the largest among their neighbours."""
+    padded = numpy.pad(numpy.nan_to_num(off), BESIDE)
+    around = numpy.lib.stride_tricks.sliding_window_view(padded, 2 * BESIDE + 1)
+    return numpy.asarray(numpy.nan_to_num(off) >= around.max(axis=1))
 
 
 def _off(found: Relaxed, course: Course, place: int) -> Array:

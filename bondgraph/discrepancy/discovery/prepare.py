@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -163,3 +164,9 @@ def held_out(
         f"the last {HELD_OUT:.0%} of {rows[0].name} is held out, as nothing was given to test on"
     )
     return [first], [last], words
+
+
+def floor(recordings: Sequence[Prepared], name: str) -> float:
+    """Return the noise of a signal by differences, root mean square over recordings."""
+    found = [row.noise[name] for row in recordings if name in row.noise]
+    return float(numpy.sqrt(numpy.mean(numpy.square(found)))) if found else math.nan

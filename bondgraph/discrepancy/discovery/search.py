@@ -9,17 +9,17 @@ from dataclasses import dataclass, replace
 
 import numpy
 
-from ...errors import BondGraphError, SimulationError
+from ...errors import BondGraphError
 from ...simulation import CompiledModel
 from ..candidates import Effect
 from ..latent.null import threshold
 from ..latent.probes import probed
 from ..latent.relax import LONGEST, Relaxed, relaxed
 from ..latent.screen import Hypothesis, Sketch, sketched
-from .bench import Added, Bench, Draft, Trial, idle, label_of
+from .bench import Added, Bench, Draft, Trial, idle, label_of, near_noise
 from .compare import delta_bic, preference
 from .constants import Constant, constant_off
-from .gaps import WHITE, floor, sizes
+from .gaps import WHITE, sizes
 from .outliers import without_outliers
 from .trial import drafted, fitted_from, tried
 
@@ -30,11 +30,13 @@ DRY = ("coulomb_friction", "stribeck_friction", "lugre_friction", "hysteresis")
 LOST = 0.8  # of a signal's deviation
 PROMISE = 0.7  # of what a refit has to bring, to be worth one
 ALONG = 4  # of those that a score along the model's own run puts first
-SETTLED, PATIENT = 150, 30.0  # steps and seconds of the last fit
+SETTLED, PATIENT = 150, 3.0  # steps of the last fit, and how many times longer it may take
 SINGLES, PAIRS, HIDDEN = 10, 4, 3  # eased in each round
 FIRST, FITTED = 2, 3  # of them fitted by runs: the first of the sketch, the best eased ones
 HOPELESS = 50.0  # behind one that reaches the noise, by twice the logarithm of the likelihood
-ROUND = 3.0  # so many times a fit's limit may the fits of a round take
+OUTDONE = 3.0  # times as far from the data as the nearest, and less likely: worth a short fit only
+ROUND = 2.0  # so many times a fit's limit may the fits of a round take
+SLOW = 4.0  # times a fit's limit, after which no round is begun where states jump
 SAMPLE = 5e-4  # seconds that a fit may take for each sample of a long recording
 SHORTEST, TIMES = 8.0, 3.0  # a fit may take so many seconds, or times as long as the base
 WORTH = 10.0  # drop of the criterion that an effect has to bring: odds of 150 to 1
@@ -120,6 +122,8 @@ def searched(bench: Bench, signals: Sequence[str], effects: Sequence[Effect], te
         tell("scoring along the model's own run")
         beside = _along_runs(bench, base, signals, effects)
     current, trials, warnings = base, list[Trial](), list(said)
+    settled: Trial | None = None
+    began = time.monotonic()
     sketches, limits = [], []
     while True:
         limit = threshold(sketch)
@@ -131,12 +135,15 @@ def searched(bench: Bench, signals: Sequence[str], effects: Sequence[Effect], te
         if better is None or delta_bic(current, better) < max(WORTH, limit):
             break
         current = better
+        if not current.fit.outcome.ok:
+            # what a fit has not come to yet looks like an effect that is missing
+            current = settled = _settled(bench, current, trials, tell)
         if len(current.added) >= MOST or near_noise(current, bench) or white(current):
             break
-        if bench.late:
-            warnings.append(
-                "the seconds allowed were used up: not all was tried; raise time_budget"
-            )
+        slow = current.model.switched and time.monotonic() - began > SLOW * bench.seconds
+        if bench.late or slow:
+            more = "fits of impacts take long" if slow else "raise time_budget"
+            warnings.append(f"the seconds allowed were used up: not all was tried; {more}")
             break
         tell(f"screening again beside {current.label}")
         try:
@@ -147,13 +154,8 @@ def searched(bench: Bench, signals: Sequence[str], effects: Sequence[Effect], te
             warnings.append(f"no second search: {error}")
             break
     current = _without(bench, base, current, trials, tell)
-    if current.added and not near_noise(current, bench):
-        tell(f"settling {current.label}")
-        patient = replace(bench, seconds=max(PATIENT, 4 * bench.seconds))
-        settled = tried(patient, _kept(current, current.added), [current.values], steps=SETTLED)
-        if isinstance(settled, Trial) and delta_bic(current, settled) > 0:
-            trials = [settled if trial is current else trial for trial in trials]
-            current = settled
+    if current.added and current is not settled and not near_noise(current, bench):
+        current = _settled(bench, current, trials, tell)
     constant = constant_off(bench, base, current, tell) if current.added else None
     return Found(
         bench,
@@ -165,6 +167,17 @@ def searched(bench: Bench, signals: Sequence[str], effects: Sequence[Effect], te
         tuple(warnings),
         constant,
     )
+
+
+def _settled(bench: Bench, trial: Trial, trials: list[Trial], tell: Tell) -> Trial:
+    """Fit a trial once more, patiently; what is better takes its place among the trials."""
+    tell(f"settling {trial.label}")
+    patient = replace(bench, seconds=max(bench.seconds, PATIENT * trial.fit.seconds))
+    found = tried(patient, _kept(trial, trial.added), [trial.values], steps=SETTLED)
+    if isinstance(found, BondGraphError) or delta_bic(trial, found) <= 0:
+        return trial
+    trials[:] = [found if each is trial else each for each in trials]
+    return found
 
 
 def _limit(bench: Bench, base: Trial) -> float:
@@ -204,15 +217,6 @@ def white(trial: Trial) -> bool:
     return all(trial.effective[name] >= WHITE * count for name, count in trial.counts.items())
 
 
-def near_noise(trial: Trial, bench: Bench) -> bool:
-    """Whether all that is left of every signal is noise."""
-    for name in trial.squares:
-        sure = all(row.told.get(name, False) for row in bench.recordings if name in row.noise)
-        if not sure or trial.rmse(name) > 1.03 * floor(bench.recordings, name):
-            return False
-    return True
-
-
 def _sketched(
     bench: Bench,
     runs: CompiledModel,
@@ -224,11 +228,6 @@ def _sketched(
 ) -> Sketch:
     probes = probed(runs.equations.graph, effects, bench.graph)
     model = CompiledModel(probes.graph)
-    if model.equations.algebraic:
-        raise SimulationError(
-            f"model {bench.graph.name!r} keeps algebraic variables, which this search cannot follow; "
-            "add a compliance or inertia where they arise"
-        )
     found = relaxed(
         model,
         [
@@ -282,11 +281,17 @@ def _refitted(
     Easing a fit in takes little and tells which hypotheses are worth a fit by runs.
     """
     drafts, first = _drafts(bench, current, base, sketch, limit, known, tell, beside)
-    drafts.sort(key=lambda draft: draft.off)
-    first += [draft.label for draft in drafts[:FITTED]]
-    drafts.sort(key=lambda draft: draft.likelihood)
+    nearest = sorted(drafts, key=lambda draft: draft.off)
+    first += [draft.label for draft in nearest[:FITTED]]
+    closest = nearest[0].off if nearest else math.inf
+    drafts = [draft for draft in drafts if not _idle_pair(draft, drafts)]
+    likeliest = min((draft.likelihood for draft in drafts), default=math.inf)
     trials: list[Trial] = []
-    reached, terms, slow = math.inf, 0, False
+    reached, terms = math.inf, 0
+    # runs that search their modes have slow derivatives: where one fit of them fails, others do
+    impacts = not current.model.switched
+    slow = impacts and any(t.model.switched and delta_bic(current, t) < 0 for t in known)
+    drafts.sort(key=lambda draft: (impacts and draft.model.switched, draft.likelihood))
     began = time.monotonic()
     for place, draft in enumerate(drafts):
         behind = math.isfinite(draft.likelihood) and draft.likelihood > reached + HOPELESS
@@ -294,19 +299,32 @@ def _refitted(
             continue
         if place >= FITTED and draft.label not in first:
             continue
-        if bench.late or time.monotonic() - began > ROUND * bench.seconds:
-            break
         if slow and draft.model.switched:
             continue
+        over = time.monotonic() - began > ROUND * bench.seconds
+        if bench.late or (over and not (impacts and draft.model.switched)):
+            break
         tell(f"fitting {draft.label}")
-        trial = fitted_from(bench, draft)
-        # runs that search their modes have slow derivatives: where one fit of them fails, others do
-        slow = slow or (draft.model.switched and not isinstance(trial, Trial))
+        outdone = draft.likelihood > likeliest + HOPELESS and draft.off > OUTDONE * closest
+        # where impacts happen, neither tells much before a fit
+        share = 2.0 if draft.model.switched else 0.25 if outdone else 1.0
+        trial = fitted_from(replace(bench, seconds=share * bench.seconds), draft)
+        if impacts and draft.model.switched:
+            slow = not isinstance(trial, Trial) or delta_bic(current, trial) < 0
         if isinstance(trial, Trial):
             trials.append(trial)
-            if near_noise(trial, bench) and draft.likelihood < reached:
+            if (near_noise(trial, bench) or white(trial)) and draft.likelihood < reached:
                 reached, terms = draft.likelihood, draft.terms
     return trials
+
+
+def _idle_pair(draft: Draft, drafts: Sequence[Draft]) -> bool:
+    """Whether a draft with fewer of the same effects is as likely."""
+    own = {item.label for item in draft.added}
+    return any(
+        {item.label for item in other.added} < own and other.likelihood <= draft.likelihood + WORTH
+        for other in drafts
+    )
 
 
 def _drafts(
@@ -338,7 +356,10 @@ def _drafts(
     first: list[str] = []
     began = time.monotonic()
     others = [] if beside is None else beside.singles[:ALONG]
-    for item in [*wanted, *pairs, *(item for item in others if item.gain > WORTH)]:
+    items = [*wanted, *pairs, *(item for item in others if item.gain > WORTH)]
+    for item in items:
+        if len(item.candidates) > 1 and any(each.effect.impacts for each in item.candidates):
+            continue  # runs with impacts take long: what is beside them is found in the next round
         added = (*current.added, *(_added(item, i) for i in range(len(item.candidates))))
         added = tuple({each.label: each for each in added}.values())
         label = label_of(added)

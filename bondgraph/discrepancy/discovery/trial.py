@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import time
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
@@ -17,13 +18,17 @@ from ..grafting import Grafted
 from ..latent.relax import LOOSE, eased
 from ..measurement import Measurement
 from ..screening.run import own_parameters
-from .begin import begun_at, fitted_by, grown, open_states, started, ties_of
-from .bench import Added, Bench, Draft, Trial
-from .follow import far, nearest
+from .begin import begun_at, fitted_by, grown, open_states, phases, started, ties_of
+from .bench import Added, Bench, Draft, Trial, near_noise
+from .compare import delta_bic
+from .follow import far, misfit, nearest
 from .horizon import grown_horizon
 from .prepare import Prepared
+from .scan import scanned
 
 STEPS = 40
+AGAIN = 2  # fits from other starts
+PHASES = 12  # tried, where a recording begins in a period
 HELD = 1e-9  # of a value that is known
 
 
@@ -72,6 +77,7 @@ def drafted(
         for key, value in item.starts.items()
     }
     starts = tuple({**bench.given, **each, **new} for each in own)
+    starts = tuple(each for i, each in enumerate(starts) if each not in starts[:i])
     plain = Draft(tuple(added), grafts, graph, model, starts, bench.starts)
     if not (bench.ways and added):
         return plain
@@ -112,7 +118,25 @@ def _eased(bench: Bench, draft: Draft) -> Draft:
 def fitted_from(
     bench: Bench, draft: Draft, *, steps: int = STEPS, segments: Any = None
 ) -> Trial | BondGraphError:
-    """Fit a draft to the recordings by its runs; what goes wrong is an answer."""
+    """Fit a draft to the recordings by its runs; what goes wrong is an answer.
+
+    A quick fit that does not come near the noise is tried from the draft's other starts as well:
+    what repeats, or is hit, has many a minimum.
+    """
+    trial = _fitted(bench, draft, steps, segments)
+    others = [start for start in draft.starts if start != draft.starts[0]] if draft.added else []
+    for start in others[:AGAIN]:
+        if isinstance(trial, BondGraphError) or bench.late:
+            break
+        if trial.fit.seconds > bench.seconds / 8 or near_noise(trial, bench, 1.5):
+            break
+        other = _fitted(bench, replace(draft, starts=(start,)), steps, segments)
+        if isinstance(other, Trial) and delta_bic(trial, other) > 0:
+            trial = other
+    return trial
+
+
+def _fitted(bench: Bench, draft: Draft, steps: int, segments: Any) -> Trial | BondGraphError:
     model, grafts = draft.model, draft.grafts
     try:
         rows = tuple(
@@ -123,11 +147,15 @@ def fitted_from(
         if not math.isfinite(draft.off) and len(draft.starts) > 1:
             start, _ = nearest(model, rows, bench, draft.starts)
         ties = ties_of(grafts, model, start)
-        free = [*bench.free, *fitted_by(grafts), *open_states(bench, model, ties)]
-        if draft.added and far(model, rows, bench, start):
+        begins = open_states(bench, model, ties, phases(bench, draft))
+        free = [*bench.free, *fitted_by(grafts), *begins]
+        until = time.monotonic() + min(bench.left, bench.seconds)
+        half = min(bench.left, bench.seconds) / 2
+        if any(item.effect.impacts for item in draft.added):
+            start = scanned(model, rows, bench, draft, start, half)
+        elif draft.added and far(model, rows, bench, start):
             told = {"priors": _priors(bench), "ties": ties}
-            seconds = min(bench.left, bench.seconds)
-            near = grown_horizon(model, rows, free, draft.starts[-1], seconds, **told)
+            near = grown_horizon(model, rows, free, draft.starts[-1], half, **told)
             start, _ = nearest(model, rows, bench, [start, *([near] if near else [])])
         priors = _priors(bench)
         if not free:  # all is known, and a fit wants an unknown: one that may not move
@@ -148,13 +176,12 @@ def fitted_from(
             segments=segments,
             loss="linear",
             max_iterations=steps,
-            time_budget=min(bench.left, bench.seconds),
+            time_budget=max(until - time.monotonic(), bench.seconds / 8),
         )
         trial = trial_of(draft.added, grafts, draft.graph, model, found, rows, bench.given, ties)
         if isinstance(trial, BondGraphError):
             return trial
-        new = set(open_states(bench, model, ties)) - set(bench.states)
-        return replace(trial, begins=len(new) * len(rows))
+        return replace(trial, begins=len(set(begins) - set(bench.states)) * len(rows))
     except BondGraphError as error:
         return error
 
@@ -221,6 +248,7 @@ def again(
         if not open_:
             found.append(dict(row.initial))
             continue
+        row = _in_phase(bench, trial, recording, row, parameters, open_)
         try:
             begun = fit(
                 trial.model,
@@ -236,3 +264,34 @@ def again(
         except BondGraphError:
             found.append(dict(row.initial))
     return found
+
+
+def _in_phase(
+    bench: Bench,
+    trial: Trial,
+    recording: Prepared,
+    row: Measurement,
+    parameters: Mapping[str, float],
+    sought: Sequence[str],
+) -> Measurement:
+    """Return a recording that begins in the phase of a periodic effect which runs nearest to it."""
+    for item, grafted in zip(trial.added, trial.grafts, strict=True):
+        order = parameters.get(grafted.parameters.get("order", ""), 0.0)
+        if not (item.effect.periodic and order > 0):
+            continue
+        ties = ties_of(trial.grafts, trial.model, parameters)
+        new = f"{grafted.name}.q"
+        turned = [name for name in {new, *ties.get(new, {})} if name in sought]
+        best = math.inf
+        for part in range(PHASES) if turned else ():
+            step = 2 * math.pi * part / (PHASES * order)
+            moved = {name: row.initial.get(name, 0.0) + step for name in turned}
+            trial_row = row.changed(initial=begun_at(row.initial, moved, ties))
+            try:
+                off = misfit(trial.model, recording, trial_row, parameters, bench.seconds / 8)
+            except BondGraphError:
+                continue
+            if off < best:
+                best, nearest_row = off, trial_row
+        row = nearest_row if math.isfinite(best) else row
+    return row

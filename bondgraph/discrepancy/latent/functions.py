@@ -14,6 +14,7 @@ from ...codegen.to_casadi import to_casadi
 from ...equations import Equations
 from ...errors import SimulationError
 from ...graph import TIME
+from .implicit import solved
 
 Array = numpy.ndarray
 
@@ -46,6 +47,7 @@ class Functions:
     """Functions of a model over many points.
 
     Contacts slip: their direction is that of the slip, blurred near rest. Switches are open.
+    Algebraic variables are solved for at each point.
 
     Parameters
     ----------
@@ -60,7 +62,7 @@ class Functions:
     Raises
     ------
     SimulationError
-        Where the equations keep algebraic variables.
+        Where a parameter asked for is none of the equations'.
     """
 
     def __init__(
@@ -70,10 +72,6 @@ class Functions:
         wanted: Sequence[str],
         signals: Mapping[str, sympy.Expr] | None = None,
     ) -> None:
-        if equations.algebraic:
-            raise SimulationError(
-                f"model {equations.name!r} keeps algebraic variables: its states cannot be smoothed"
-            )
         self.equations = equations
         self.outputs, self.wanted = tuple(outputs), tuple(wanted)
         local = equations.own_symbols
@@ -88,6 +86,7 @@ class Functions:
                 ("p", equations.parameters),
                 ("s", [contact.direction for contact in equations.contacts]),
                 ("w", list(equations.switches.values())),
+                ("z", equations.algebraic),
             ],
             equations.assignments,
             {
@@ -95,6 +94,7 @@ class Functions:
                 "outputs": [equations.outputs[name] for name in outputs],
                 "slip": [contact.slip for contact in equations.contacts],
                 "signals": list(known.values()),
+                "left": equations.residuals,
             },
         )
         plain = to_casadi(program)
@@ -104,19 +104,27 @@ class Functions:
         if unknown:
             raise SimulationError(f"{', '.join(unknown)}: no parameters of these equations")
         chosen = [names.index(name) for name in wanted]
-        rates, found, slip, said = plain(*arguments)
+        rates, found, slip, said, left = plain(*arguments)
         pushed = casadi.SX.sym("du", len(equations.inputs))
-        rising = casadi.jtimes(said, arguments[1], rates) + casadi.jtimes(
-            said, arguments[2], pushed
-        )
-        by = [casadi.vertcat(rates, found)] * 2
-        slopes = [
-            casadi.densify(casadi.jacobian(by[0], arguments[1])),
-            casadi.densify(casadi.jacobian(by[1], arguments[3])[:, chosen]),
-        ]
+        _, x, u, p, _, _, z = arguments
+        inner = casadi.densify(casadi.jacobian(left, z))
+
+        def total(result: casadi.SX, by: casadi.SX) -> casadi.SX:
+            """Jacobian of a result, what the algebraic variables do included."""
+            direct = casadi.jacobian(result, by)
+            if not z.numel():
+                return casadi.densify(direct)
+            follows = casadi.solve(inner, casadi.densify(casadi.jacobian(left, by)))
+            return casadi.densify(direct - casadi.jacobian(result, z) @ follows)
+
+        both = casadi.vertcat(rates, found)
+        slopes = [total(both, x), total(both, p)[:, chosen]]
+        rising = total(said, x) @ rates + total(said, u) @ pushed
+        terms = casadi.fabs(inner) @ casadi.fabs(z) + casadi.fabs(left)
         self._point = casadi.Function("point", arguments, [rates, found, *slopes])
         self._slips = casadi.Function("slips", arguments, [slip])
         self._signals = casadi.Function("signals", [*arguments, pushed], [said, rising])
+        self._loop = casadi.Function("loop", arguments, [left, inner, terms])
 
     def at(self, t: Array, x: Array, u: Array, p: Array) -> Points:
         """Evaluate rates, outputs and their derivatives.
@@ -170,14 +178,39 @@ class Functions:
         *more: Array,
     ) -> list[Array]:
         """Evaluate point by point; each result has the points first."""
-        w = numpy.zeros((len(t), len(self.equations.switches)))
-        rows = [t[:, None], x, u, None, s, w, *more]
+        z = self._algebraic(t, x, u, p, s)
+        return self._evaluated(function, [*self._given(t, x, u, s), z, *more], p)
+
+    def _given(self, t: Array, x: Array, u: Array, s: Array) -> list[Array | None]:
+        """Return the arguments of a point but for the algebraic variables; None for parameters."""
+        return [t[:, None], x, u, None, s, numpy.zeros((len(t), len(self.equations.switches)))]
+
+    def _algebraic(self, t: Array, x: Array, u: Array, p: Array, s: Array) -> Array:
+        """Return the algebraic variables at each point, shape (nt, number of them)."""
+        size = len(self.equations.algebraic)
+        if not size:
+            return numpy.zeros((len(t), 0))
+        given = self._given(t, x, u, s)
+
+        def many(points: Array, z: Array) -> tuple[Array, Array, Array]:
+            rows = [row if row is None else row[points] for row in given]
+            left, slope, terms = self._evaluated(self._loop, [*rows, z], p)
+            slope = slope.reshape(len(points), size, size).transpose(0, 2, 1)
+            return left, slope, terms
+
+        return solved(many, len(t), size)
+
+    def _evaluated(
+        self, function: casadi.Function, rows: Sequence[Array | None], p: Array
+    ) -> list[Array]:
+        """Evaluate point by point; each result has the points first."""
+        total = len(rows[0]) if rows[0] is not None else 0
         parts: list[list[Array]] = [[] for _ in range(function.n_out())]
-        count = min(AT_ONCE, len(t))
+        count = min(AT_ONCE, total)
         many = function.map(count)
         constant = casadi.repmat(casadi.DM(p), 1, count)
-        for start in range(0, len(t), count):
-            begin = min(start, len(t) - count)
+        for start in range(0, total, count):
+            begin = min(start, total - count)
             given = [
                 constant if row is None else casadi.DM(row[begin : begin + count].T) for row in rows
             ]

@@ -118,15 +118,18 @@ class SwitchedReplay(PythonReplay):
         rebounds = [int(switch) for switch, before, after in batch if before == after]
         via[rebounds] = 0
         x, S = self.state[:n].copy(), self.state[n:].reshape(n, self.q)
-        here = self._after(t, x, p, via, rebounds)
+        free = not rebounds and not len(self.modes.numbers(mask_of(via)).bound)
+        here = x if free else self._after(t, x, p, via, rebounds)
         if not numpy.all(numpy.abs(here - row[3:]) <= SAME * self.sizes):
             raise Undefined(UNTOLD, t, int(batch[0, 0]) if len(batch) else 0)
         before = self.K[0, :n] if self.begun else numpy.zeros(n)
-        moved = S + before[:, None] * dt
-        for c in range(self.q):
-            S[:, c] = self._slope(
-                t, x, via, rebounds, (float(dt[c]), moved[:, c], self.seeds[:, c])
-            )
+        S += before[:, None] * dt
+        if not free:  # a mode that binds no state takes it as it is
+            moved = S.copy()
+            for c in range(self.q):
+                S[:, c] = self._slope(
+                    t, x, via, rebounds, (float(dt[c]), moved[:, c], self.seeds[:, c])
+                )
         self.state[:n] = row[3:]
         after = self.functions(then)[0](t, row[3:], self.inputs(t)[0], p, then)[:n]
         S -= after[:, None] * dt

@@ -22,6 +22,8 @@ Array = numpy.ndarray
 
 # Energies may be off by so much more than states: they are for the audit.
 AUDIT = 100.0
+# Margins of more than this part of the largest so far are no matter of rounding.
+CLEAR = 1e-6
 ZENO_BOUNCES = 8
 # Bounces that get closer end here: what is left of them lasts less than this part of the run.
 ZENO_REST = 1e-6
@@ -52,11 +54,26 @@ class SwitchedStepper(Stepper):
         self.search_modes = ModeSearch(switched)
         self.deadline = time.monotonic() + options.time_budget
         self.impacts: dict[int, list[float]] = {}
+        self.widest = numpy.zeros(self.k)
 
     def classify(self) -> None:
         """Modes at the start, and where an input jumped."""
+        if self.started and self._untouched():
+            self.fresh = numpy.zeros(self.k, dtype=bool)
+            self.adopt(self.code)
+            return
         codes = self._commanded(self.code if self.started else self._first())
         self._enter(codes)
+
+    def _untouched(self) -> bool:
+        """Whether a jump of inputs leaves all as it is: no state bound, every margin far from zero."""
+        if any(element.commanded for element in self.switched.elements):
+            return False
+        if len(self.switched.numbers(mask_of(self.code)).bound):
+            return False
+        margins = self.guard(self.t, self.x[: self.n])[: self.k]
+        self.widest = numpy.maximum(self.widest, numpy.abs(margins))
+        return bool((margins > CLEAR * self.widest).all())
 
     def settle(self) -> None:
         """Modes after an event: what fired changes, and what follows from that."""

@@ -378,7 +378,6 @@ _BRAKE = (
 )
 _CIRCUIT = (
     Entry("rlc", "nonlinear_inertance", "inertia coil", {"cubic": 3e5}, ("cubic",)),
-    Entry("rlc", "leakage", "node", {"conductance": 0.02}, ("conductance",)),
     Entry(
         "rlc",
         "overflow",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -15,6 +15,7 @@ from .plants import PLANTS, Plant
 from .truth import Drive, Hidden, simulate
 
 Array = numpy.ndarray
+Beside = Callable[[float], Sequence[Hidden]]
 SIZES = (500, 800, 1200)
 DRIFT = 0.05  # parameters of the truth are off by up to this share
 STRONG, WEAK = 0.5, 0.15  # share of a signal's deviation that an effect changes
@@ -28,9 +29,11 @@ SWAPS = {
     "unheld_chain": ("first", "second"),
     "two_tanks": ("first", "second"),
 }
+# what an effect comes down to where the machine never gets to the other side of its threshold
+ONE_SIDED = {"overflow": ("flow_bias", "flow", ("conductance", "threshold"))}
 FACTORS = numpy.geomspace(1 / 6, 6, 5)
 HALVINGS = 5
-STEPS = 6
+STEPS, PATIENT = 6, 40
 HELPERS = ("bend", "pace")  # coefficients of the truth's own forms
 
 
@@ -138,18 +141,21 @@ class Seen:
         """Return what hidden effects change."""
         return self.stacked(self.setting.run(hidden)) - self.base
 
-    def fitted(self, gap: Array) -> float:
-        """Return the sum of squares that parameters leave, in so many steps from the truth's."""
+    def fitted(self, gap: Array, beside: Beside | None = None, steps: int = STEPS) -> float:
+        """Return the sum of squares that parameters leave, in so many steps from the truth's.
+
+        Hidden effects may stand beside them, of a size that is fitted as well.
+        """
         own = {name: self.setting.parameters[name] for name in self.setting.plant.table}
+        start = numpy.zeros(len(own) + (beside is not None))
 
         def rest(logs: Array) -> Array:
-            moved = {
-                n: v * float(numpy.exp(x)) for (n, v), x in zip(own.items(), logs, strict=True)
-            }
-            return numpy.asarray(gap - self.stacked(self.setting.run([], **moved)) + self.base)
+            factors = numpy.exp(logs)
+            moved = {n: v * float(x) for (n, v), x in zip(own.items(), factors, strict=False)}
+            run = self.setting.run(beside(float(factors[-1])) if beside else [], **moved)
+            return numpy.asarray(gap - self.stacked(run) + self.base)
 
-        start = numpy.zeros(len(own))
-        found = least_squares(rest, start, bounds=(-2, 2), diff_step=1e-3, max_nfev=STEPS)
+        found = least_squares(rest, start, bounds=(-2, 2), diff_step=1e-3, max_nfev=steps)
         return min(2 * float(found.cost), float(gap @ gap))
 
     def left(self, gap: Array, *more: Array) -> float:
@@ -161,20 +167,51 @@ class Seen:
 
 def elsewhere(
     plan: Plan, setting: Setting, hidden: Sequence[Hidden], signals: Sequence[str]
-) -> tuple[tuple[str, str], ...]:
-    """Return other sites at which the same effect explains these signals as well.
+) -> list[list[tuple[str, str]]]:
+    """Return by hidden effect what else, or where else, explains these signals as well.
 
-    To first order in its strength, and to less than `APART` of chi squared.
+    To less than `APART` of chi squared.
     """
-    if plan.kind != "effect" or hidden[0].site not in SWAPS.get(plan.machine, ()):
-        return ()
-    (there,), seen, found = hidden, Seen.of(setting, signals), []
-    gap = seen.gap(hidden)
+    if plan.kind not in ("effect", "two"):
+        return [[] for _ in hidden]
+    seen = Seen.of(setting, signals)
+    gap, least = seen.gap(hidden), APART * plan.noise**2
+    return [
+        [*_other_sites(plan, seen, hidden, gap, least), *_one_sided(seen, hidden, i, gap, least)]
+        for i in range(len(hidden))
+    ]
+
+
+def _other_sites(
+    plan: Plan, seen: Seen, hidden: Sequence[Hidden], gap: Array, least: float
+) -> list[tuple[str, str]]:
+    """Return where else an effect explains all, to first order in its strength."""
+    if len(hidden) > 1 or hidden[0].site not in SWAPS.get(plan.machine, ()):
+        return []
+    (there,), found = hidden, []
     for site in SWAPS[plan.machine]:
-        other = seen.gap([replace(there, site=site)])
-        if site != there.site and seen.left(gap, other) < APART * plan.noise**2:
+        if site == there.site:
+            continue
+        if seen.left(gap, seen.gap([replace(there, site=site)])) < least:
             found.append((there.effect, site))
-    return tuple(found)
+    return found
+
+
+def _one_sided(
+    seen: Seen, hidden: Sequence[Hidden], which: int, gap: Array, least: float
+) -> list[tuple[str, str]]:
+    """Return what an effect of one side is the same as, where the other side is never met."""
+    here = hidden[which]
+    if here.effect not in ONE_SIDED:
+        return []
+    effect, name, factors = ONE_SIDED[here.effect]
+    size = float(numpy.prod([here.values[factor] for factor in factors]))
+
+    def stands_in(share: float) -> list[Hidden]:
+        other = Hidden(effect, here.site, {name: size * share})
+        return [other if i == which else each for i, each in enumerate(hidden)]
+
+    return [(effect, here.site)] if seen.fitted(gap, stands_in, PATIENT) < least else []
 
 
 def _setting(plan: Plan, rng: numpy.random.Generator) -> Setting:
@@ -279,10 +316,13 @@ def _sealed(
     hidden: Sequence[Hidden],
     share: float,
     gain: float,
-    also: Sequence[tuple[str, str]],
+    also: Sequence[Sequence[tuple[str, str]]],
 ) -> dict[str, Any]:
     """Return what only the scorer may read."""
-    right = [list(map(list, dict.fromkeys((*entry.right, *also)))) for entry in plan.entries]
+    right = [
+        list(map(list, dict.fromkeys((*entry.right, *others))))
+        for entry, others in zip(plan.entries, also, strict=True)
+    ]
     if plan.kind in ("outside", "low"):
         right = []
     elif plan.right:

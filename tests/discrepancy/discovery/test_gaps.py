@@ -8,6 +8,7 @@ import pytest
 
 from bondgraph.discrepancy.discovery import Gap
 from bondgraph.discrepancy.discovery import gaps as measured
+from bondgraph.discrepancy.discovery.prepare import floor
 
 
 @pytest.mark.parametrize(
@@ -75,4 +76,4 @@ def test_no_gap_lies_below_its_floor():
 def test_the_floor_is_the_root_mean_square_over_recordings():
     rows = [_recording(x=[0.0] * 3), _recording(x=[0.0] * 3)]
     rows[1].noise["x"] = 1.5
-    assert measured.floor(rows, "x") == pytest.approx(math.sqrt((0.25 + 2.25) / 2))
+    assert floor(rows, "x") == pytest.approx(math.sqrt((0.25 + 2.25) / 2))
