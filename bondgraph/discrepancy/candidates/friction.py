@@ -152,6 +152,7 @@ STRIBECK = Effect(
     domains=MECHANICAL,
     shapes=(_falling(0.03), _falling(0.1), _falling(0.3)),
     events=True,
+    limits=("coulomb_friction",),
 )
 LUGRE = Effect(
     "lugre_friction",
@@ -195,6 +196,7 @@ LUGRE = Effect(
     states=("deflection of the bristles",),
     # bristles that damp by a constant may give energy back at high speed: Barahona, Canudas de Wit
     passive=False,
+    limits=("stribeck_friction",),
 )
 DRAG = Effect(
     "quadratic_drag",

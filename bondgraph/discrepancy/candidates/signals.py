@@ -15,7 +15,9 @@ from .place import Change, Place
 from .places import FLOW_JUNCTION, FLOW_PAIR, OUTPUT, POWER, SOURCE
 from .value import SIGNAL, Coefficient, Effect
 
-DELAY_SECTIONS = 2  # all-pass, each a Pade (1, 1) form of half the delay; even: no change of sign
+DELAY_SECTIONS = (
+    4  # all-pass, each a Pade (1, 1) form of its part of the delay; even: no change of sign
+)
 
 
 def said(place: Place, signal: sympy.Expr, **more: object) -> Change:
@@ -107,7 +109,7 @@ DELAY = Effect(
     (Coefficient("delay", "s", "delay", lambda s: 0.01 * s.duration, absent=0.0),),
     {"signal": SIGNAL},
     _delayed,
-    "what is given or said comes late; two all-pass sections, Pade (1, 1) each",
+    "what is given or said comes late; four all-pass sections, Pade (1, 1) each",
     "Franklin, Powell, Emami-Naeini, Feedback Control of Dynamic Systems, ch. 5",
     features=(Feature("-du/dt", lambda s: -s.effort_rate, memory=True),),
     states=tuple(f"section {number + 1} of the delay" for number in range(DELAY_SECTIONS)),

@@ -88,6 +88,7 @@ DEAD_ZONE = Effect(
     domains=MECHANICAL,
     shapes=tuple(map(_beyond, (0.1, 0.25, 0.5, 0.75))),
     states=_POSITION,
+    limits=("linear_stiffness",),
 )
 
 
@@ -233,6 +234,7 @@ HYSTERESIS = Effect(
     domains=MECHANICAL,
     shapes=tuple(map(_yielding, (0.05, 0.15, 0.3, 0.6))),
     states=("elongation of the hysteretic spring",),
+    limits=("coulomb_friction",),
 )
 
 

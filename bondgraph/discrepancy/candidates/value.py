@@ -128,6 +128,8 @@ class Effect:
         Whether states jump there.
     periodic : bool
         Whether another displacement to begin with is the same as other coefficients.
+    limits : tuple of str
+        Simpler effects that it comes down to at a limit of its coefficients, whose names they share.
 
     Raises
     ------
@@ -156,6 +158,7 @@ class Effect:
     events: bool = False
     impacts: bool = False
     periodic: bool = False
+    limits: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         unknown = [kind for kind in self.sites if kind not in KINDS]

@@ -21,6 +21,7 @@ Array = numpy.ndarray
 Runs = tuple[Mapping[str, Array], ...]
 
 WHITE, HIGH = 0.7, 1.6
+SCATTER = 2.0  # standard deviations of the mean square of noise
 PATIENCE = 60.0  # seconds of one run
 
 
@@ -140,7 +141,9 @@ def gaps(
     return found
 
 
-def removed(found: Mapping[str, Gap], sizes: Mapping[str, float]) -> float:
+def removed(
+    found: Mapping[str, Gap], sizes: Mapping[str, float], counts: Mapping[str, int] | None = None
+) -> float:
     """Return the share of what lies above the floor that is gone, all signals together.
 
     Parameters
@@ -148,17 +151,35 @@ def removed(found: Mapping[str, Gap], sizes: Mapping[str, float]) -> float:
     found : mapping of str to Gap
     sizes : mapping of str to float
         Of the signals, which they are measured by.
+    counts : mapping of str to int, optional
+        Samples by signal. With them, what is left is as good as gone where so many samples of the
+        noise might as well leave it, and the gap before is more than that.
     """
-    before = after = 0.0
+    before = after = scatter = 0.0
     for name, gap in found.items():
         size = sizes.get(name) or 1.0
-        before += max(gap.before**2 - gap.noise_floor**2, 0.0) / size**2
-        after += max(gap.after**2 - gap.noise_floor**2, 0.0) / size**2
+        noise = gap.noise_floor**2
+        before += max(gap.before**2 - noise, 0.0) / size**2
+        after += max(gap.after**2 - noise, 0.0) / size**2
+        scatter += 2 * (noise / size**2) ** 2 / max((counts or {}).get(name, 0), 1)
     if not math.isfinite(after):
         return -math.inf
     if not math.isfinite(before):
         return 1.0
+    chance = SCATTER * math.sqrt(scatter) if counts else 0.0
+    if before > chance:
+        after = max(after - chance, 0.0)
     return 1 - math.sqrt(after / before) if before > 0 else 0.0
+
+
+def counted(recordings: Sequence[Prepared]) -> dict[str, int]:
+    """Return how many samples each signal has."""
+    found: dict[str, int] = {}
+    for row in recordings:
+        for name in row.signals:
+            there = int(numpy.isfinite(row.plain.columns[name]).sum())
+            found[name] = found.get(name, 0) + there
+    return found
 
 
 def sizes(recordings: Sequence[Prepared]) -> dict[str, float]:

@@ -11,7 +11,7 @@ from .verdict import Verdict
 
 HALF = 0.5  # of the held-out gap above the noise has to go
 CLEAR = 6.0  # strong evidence (Kass, Raftery 1995), by which the criterion has to prefer the best to others
-NEAR = 0.35  # of the gap before may be left, where the noise is not reached
+NEAR = 0.25  # of the gap before may be left, where the noise is not reached
 NOISE = 1.5  # times the noise count as near it
 ABOVE = 1.3  # times the noise are a gap
 

@@ -232,7 +232,8 @@ def _told(
         item.before > ABOVE * floors[name] and _sure(bench, name)
         for name, item in gap["train"].items()
     ) and not near_noise(base, bench)
-    said = judged(best, found.trials, share, near, above)
+    lenient = measured.removed(gap["validation"], scale, measured.counted(held))
+    said = judged(best, found.trials, max(share, lenient), near, above)
     loose = _number_off(bench, held, starts, found, tested)
     if loose is not None:
         number_share = gap_share(explained, loose, tested, gap_of, scale)

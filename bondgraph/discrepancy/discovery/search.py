@@ -35,7 +35,7 @@ SINGLES, PAIRS, HIDDEN = 10, 4, 3  # eased in each round
 FIRST, FITTED = 2, 3  # of them fitted by runs: the first of the sketch, the best eased ones
 HOPELESS = 50.0  # behind one that reaches the noise, by twice the logarithm of the likelihood
 OUTDONE = 3.0  # times as far from the data as the nearest, and less likely: worth a short fit only
-ROUND = 2.0  # so many times a fit's limit may the fits of a round take
+ROUND = 3.0  # so many times a fit's limit may the fits of a round take
 SLOW = 4.0  # times a fit's limit, after which no round is begun where states jump
 SAMPLE = 5e-4  # seconds that a fit may take for each sample of a long recording
 SHORTEST, TIMES = 8.0, 3.0  # a fit may take so many seconds, or times as long as the base
@@ -154,6 +154,7 @@ def searched(bench: Bench, signals: Sequence[str], effects: Sequence[Effect], te
             warnings.append(f"no second search: {error}")
             break
     current = _without(bench, base, current, trials, tell)
+    current = _simplified(bench, base, current, trials, effects, tell)
     if current.added and current is not settled and not near_noise(current, bench):
         current = _settled(bench, current, trials, tell)
     constant = constant_off(bench, base, current, tell) if current.added else None
@@ -307,7 +308,7 @@ def _refitted(
         tell(f"fitting {draft.label}")
         outdone = draft.likelihood > likeliest + HOPELESS and draft.off > OUTDONE * closest
         # where impacts happen, neither tells much before a fit
-        share = 2.0 if draft.model.switched else 0.25 if outdone else 1.0
+        share = 2.0 if draft.model.switched else 0.25 if outdone else 0.5
         trial = fitted_from(replace(bench, seconds=share * bench.seconds), draft)
         if impacts and draft.model.switched:
             slow = not isinstance(trial, Trial) or delta_bic(current, trial) < 0
@@ -466,3 +467,37 @@ def _without(bench: Bench, base: Trial, current: Trial, trials: list[Trial], tel
             break
         current = best
     return current
+
+
+def _simplified(
+    bench: Bench,
+    base: Trial,
+    current: Trial,
+    trials: list[Trial],
+    effects: Sequence[Effect],
+    tell: Tell,
+) -> Trial:
+    """Put a simpler effect in the place of one that comes down to it, unless that loses something."""
+    table = {effect.name: effect for effect in effects}
+    while True:
+        simpler = []
+        kept = _kept(current, current.added)
+        for place, item in enumerate(kept):
+            for effect in (table[name] for name in item.effect.limits if name in table):
+                starts = {key: item.starts[key] for key in effect.fitted}
+                added = (
+                    *kept[:place],
+                    replace(item, effect=effect, starts=starts),
+                    *kept[place + 1 :],
+                )
+                known = [trial for trial in trials if trial.label == label_of(added)]
+                if not known:
+                    tell(f"fitting {label_of(added)}")
+                    trial = tried(bench, added, [current.values, base.values])
+                    known = [trial] if isinstance(trial, Trial) else []
+                    trials += known
+                simpler += known
+        best = min(simpler, key=lambda trial: delta_bic(trial, current), default=None)
+        if best is None or delta_bic(best, current) >= 0:
+            return current
+        current = best

@@ -8,6 +8,7 @@ import numpy
 
 from ..buffered import evaluator
 from .tangents import TangentTable
+from .value import NON_FINITE, Undefined
 
 Array = numpy.ndarray
 
@@ -48,6 +49,11 @@ class Projector:
         Returns
         -------
         (n, q) array
+
+        Raises
+        ------
+        Undefined
+            Where rates are not finite.
         """
         stuck = numpy.flatnonzero(codes == 0)
         free = numpy.where(codes == 0, 1.0, codes)
@@ -62,6 +68,8 @@ class Projector:
             loose[j] = 1.0
             pushes[:, column] = self._rates(t, x, loose) - held
         along = by_x[stuck] @ pushes
+        if not numpy.isfinite(along).all():
+            raise Undefined(NON_FINITE, t, -1)
         return S - pushes @ numpy.linalg.lstsq(along, off, rcond=1e-12)[0]
 
     def _mask(self, codes: Array) -> int:
