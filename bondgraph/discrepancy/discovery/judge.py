@@ -40,6 +40,7 @@ def judged(
     removed: float,
     near: float,
     above: bool,
+    unsteady: Sequence[str] = (),
 ) -> Judgement:
     """Judge the best trial.
 
@@ -53,6 +54,8 @@ def judged(
         Largest gap after over the noise, of all signals.
     above : bool
         Whether the base leaves more than noise, for sure.
+    unsteady : sequence of str
+        Effects whose size is not the same all along, in words.
 
     Returns
     -------
@@ -67,6 +70,7 @@ def judged(
         failed.append(f"what is left is {near:.1f} times the noise")
     failed += _unphysical(best)
     failed += idle(best).values()
+    failed += unsteady
     rivals = tuple(rival for rival in trials if _rivals(best, rival))
     if failed and not above and removed < HALF:
         return Judgement(Verdict.NONE, (best,), tuple(failed))

@@ -17,6 +17,7 @@ from ...values import parameter_values
 from ..candidates import Effect
 from ..candidates.table import effects as effects_of
 from ..latent.isolability import isolability
+from ..latent.steady import Steadiness, steadiness
 from ..measurement import Measurement
 from ..screening.run import own_parameters
 from . import gaps as measured
@@ -28,10 +29,10 @@ from .laws import learned
 from .outliers import cleared
 from .outside import advice_for, relaxed_starts
 from .prepare import Prepared, distinct, held_out, prepared
-from .search import Found, searched, starts_of
+from .search import Found, along_runs, searched, starts_of
 from .value import Discovery, Estimate, Explanation, NamedEffect
 from .verdict import Verdict
-from .words import unseen_words, verdict_words
+from .words import unseen_words, unsteady_words, verdict_words
 
 AS_GOOD = 0.1  # share of the gap by which a number may be behind an effect
 SPARED = 0.7  # of what is left of the held-out gap: an effect more has to leave less than that
@@ -233,7 +234,8 @@ def _told(
         for name, item in gap["train"].items()
     ) and not near_noise(base, bench)
     lenient = measured.removed(gap["validation"], scale, measured.counted(held))
-    said = judged(best, found.trials, max(share, lenient), near, above)
+    unsteady = unsteady_words(_steadiness(bench, found, best))
+    said = judged(best, found.trials, max(share, lenient), near, above, unsteady)
     loose = _number_off(bench, held, starts, found, tested)
     if loose is not None:
         number_share = gap_share(explained, loose, tested, gap_of, scale)
@@ -275,6 +277,16 @@ def _told(
         held_out=tuple(tests),
         seconds=time.monotonic() - began,
     )
+
+
+def _steadiness(bench: Bench, found: Found, best: Trial) -> tuple[Steadiness, ...]:
+    """Return how large the effects of a trial are in parts of the recordings; none where not told."""
+    signals = found.sketches[0].relaxed.functions.outputs
+    effects = list({item.effect.name: item.effect for item in best.added}.values())
+    fitted = along_runs(bench, best, signals, effects) if effects else None
+    if fitted is None:
+        return ()
+    return steadiness(found.sketches[0], fitted, [item.label for item in best.added])
 
 
 def _number_off(

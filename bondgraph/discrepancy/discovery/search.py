@@ -120,7 +120,7 @@ def searched(bench: Bench, signals: Sequence[str], effects: Sequence[Effect], te
         beside = None
     else:
         tell("scoring along the model's own run")
-        beside = _along_runs(bench, base, signals, effects)
+        beside = along_runs(bench, base, signals, effects)
     current, trials, warnings = base, list[Trial](), list(said)
     settled: Trial | None = None
     began = time.monotonic()
@@ -149,7 +149,7 @@ def searched(bench: Bench, signals: Sequence[str], effects: Sequence[Effect], te
         try:
             guesses = [row.initial for row in current.measurements]
             sketch = _sketched(bench, current.model, signals, effects, current.values, guesses)
-            beside = _along_runs(bench, current, signals, effects)
+            beside = along_runs(bench, current, signals, effects)
         except BondGraphError as error:
             warnings.append(f"no second search: {error}")
             break
@@ -187,7 +187,7 @@ def _limit(bench: Bench, base: Trial) -> float:
     return max(SHORTEST, TIMES * base.fit.seconds, SAMPLE * samples)
 
 
-def _along_runs(
+def along_runs(
     bench: Bench, trial: Trial, signals: Sequence[str], effects: Sequence[Effect]
 ) -> Sketch | None:
     """Score effects along the runs of a fitted model, to first order.

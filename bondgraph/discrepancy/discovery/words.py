@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 
 from ..fitting import Fit
+from ..latent.steady import Steadiness
 from .value import Gap, NamedEffect
 from .verdict import Verdict
 
@@ -83,3 +84,13 @@ def _and(parts: Sequence[str]) -> str:
 def unseen_words(fit: Fit) -> tuple[str, ...]:
     """Return what the data do not tell of the parameters."""
     return tuple(direction.words for direction in fit.unidentified)
+
+
+def unsteady_words(found: Sequence[Steadiness]) -> list[str]:
+    """Say which effects are not as large in one part of the recordings as in another."""
+    return [
+        f"in part {part + 1} of {len(item.sizes)} of the recordings {item.label} is {size:.2g} times "
+        "as large as in all of them"
+        for item in found
+        for part, size in item.unsteady.items()
+    ]

@@ -137,7 +137,7 @@ def sketched(found: Relaxed, probed: Probed, effects: Iterable[Effect], pairs: i
     reduced = []
     for error in errors:
         try:
-            reduced.append(_reduced(found, columns, error))
+            reduced.append(products(found, columns, error))
         except SimulationError:
             continue
     if not reduced:
@@ -226,7 +226,7 @@ def _same(gram: Array, one: Sequence[int], other: Sequence[int]) -> bool:
     return bool(numpy.min(numpy.abs(cosines)) > 1 - 1e-6)
 
 
-def _reduced(found: Relaxed, columns: Columns, error: float) -> Reduced:
+def products(found: Relaxed, columns: Columns, error: float) -> Reduced:
     """Return the triangular factor of all columns for one size of the model's error."""
     p = len(found.table.names)
     prior = found.table.prior(found.values, LOOSE)
