@@ -35,8 +35,8 @@ SINGLES, PAIRS, HIDDEN = 10, 4, 3  # eased in each round
 FIRST, FITTED = 2, 3  # of them fitted by runs: the first of the sketch, the best eased ones
 HOPELESS = 50.0  # behind one that reaches the noise, by twice the logarithm of the likelihood
 OUTDONE = 3.0  # times as far from the data as the nearest, and less likely: worth a short fit only
-ROUND = 3.0  # so many times a fit's limit may the fits of a round take
-SLOW = 4.0  # times a fit's limit, after which no round is begun where states jump
+TRIES, ROUND = 1.5, 2.0  # so many times a fit's limit may the tries and the fits of a round take
+ROUNDS = 3.0  # the same, after which no other round is begun
 SAMPLE = 5e-4  # seconds that a fit may take for each sample of a long recording
 SHORTEST, TIMES = 8.0, 3.0  # a fit may take so many seconds, or times as long as the base
 WORTH = 10.0  # drop of the criterion that an effect has to bring: odds of 150 to 1
@@ -140,9 +140,8 @@ def searched(bench: Bench, signals: Sequence[str], effects: Sequence[Effect], te
             current = settled = _settled(bench, current, trials, tell)
         if len(current.added) >= MOST or near_noise(current, bench) or white(current):
             break
-        slow = current.model.switched and time.monotonic() - began > SLOW * bench.seconds
-        if bench.late or slow:
-            more = "fits of impacts take long" if slow else "raise time_budget"
+        if bench.late or time.monotonic() - began > ROUNDS * bench.seconds:
+            more = "raise time_budget" if bench.late else "fits take long here"
             warnings.append(f"the seconds allowed were used up: not all was tried; {more}")
             break
         tell(f"screening again beside {current.label}")
@@ -307,8 +306,9 @@ def _refitted(
             break
         tell(f"fitting {draft.label}")
         outdone = draft.likelihood > likeliest + HOPELESS and draft.off > OUTDONE * closest
-        # where impacts happen, neither tells much before a fit
-        share = 2.0 if draft.model.switched else 0.25 if outdone else 0.5
+        share = 0.25 if outdone else 0.5
+        if draft.model.switched:  # where impacts happen, a run tells little before a scan
+            share = 2.0 if draft.off <= 2 * closest else 1.0
         trial = fitted_from(replace(bench, seconds=share * bench.seconds), draft)
         if impacts and draft.model.switched:
             slow = not isinstance(trial, Trial) or delta_bic(current, trial) < 0
@@ -367,7 +367,7 @@ def _drafts(
         if label in done or len(added) <= len(current.added) or _one_contact(added):
             continue
         done.add(label)
-        if bench.late or time.monotonic() - began > ROUND * bench.seconds:
+        if bench.late or time.monotonic() - began > TRIES * bench.seconds:
             break
         tell(f"trying {label}")
         own = [

@@ -77,3 +77,17 @@ def test_the_floor_is_the_root_mean_square_over_recordings():
     rows = [_recording(x=[0.0] * 3), _recording(x=[0.0] * 3)]
     rows[1].noise["x"] = 1.5
     assert floor(rows, "x") == pytest.approx(math.sqrt((0.25 + 2.25) / 2))
+
+
+def test_what_noise_alone_may_leave_counts_as_gone():
+    """A mean square of n values of noise scatters by noise^2 sqrt(2 / n)."""
+    gap = {"x": Gap(9.0, 1.5, 1.03, 1.0)}
+    plain = measured.removed(gap, {"x": 1.0})
+    assert plain == pytest.approx(1 - math.sqrt((1.03**2 - 1) / (1.5**2 - 1)))
+    assert measured.removed(gap, {"x": 1.0}, {"x": 500}) == 1.0
+    assert plain < measured.removed(gap, {"x": 1.0}, {"x": 50_000}) < 1.0
+
+
+def test_a_gap_that_noise_alone_may_be_is_not_called_gone():
+    gap = {"x": Gap(9.0, 1.03, 1.02, 1.0)}
+    assert measured.removed(gap, {"x": 1.0}, {"x": 100}) == measured.removed(gap, {"x": 1.0})

@@ -108,3 +108,8 @@ def test_a_sign_that_no_element_has_is_not_named(value):
 def test_a_coefficient_that_may_as_well_be_zero_is_not_named():
     said = judge(trial(4.0, "quadratic_drag", std=1.5))
     assert said.verdict is Verdict.UNNAMED and "uncertain" in said.failed[0]
+
+
+def test_what_is_not_as_large_all_along_is_not_named():
+    said = judged(DRAG, (DRAG,), 1.0, 1.0, True, ["in part 2 it is -3 times as large"])
+    assert said.verdict is Verdict.UNNAMED and "part 2" in said.failed[0]

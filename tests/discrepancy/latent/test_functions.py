@@ -2,8 +2,9 @@
 
 import numpy
 import pytest
+import sympy
 
-from bondgraph import derive
+from bondgraph import C, One, R, Se, Zero, assemble, derive
 from bondgraph.discrepancy.latent.functions import AT_ONCE, Functions
 from bondgraph.errors import SimulationError
 from bondgraph.simulation import CompiledModel
@@ -93,3 +94,39 @@ def test_signals_rise_as_the_model_moves():
 def test_an_unknown_parameter_is_refused():
     with pytest.raises(SimulationError, match="stray"):
         Functions(derive(MACHINES["rlc"]()), (), ("stray",))
+
+
+def _fed():
+    """A tank behind a pipe without inertia, whose flow no formula gives: R f + k f |f| = p0 - p."""
+    supply, resistance, drag = sympy.Symbol("p0"), *sympy.symbols("R k", positive=True)
+    line, tank = One("line"), Zero("tank")
+    pipe = R("pipe", effort=lambda f: resistance * f + drag * f * abs(f))
+    return assemble(
+        "fed",
+        Se("pump", supply) >> line >> pipe,
+        line >> tank >> (C("store", 2.0), R("out", flow=lambda e: 0.3 * e)),
+        parameters={resistance: 1.5, drag: 2.0},
+        inputs=[supply],
+        outputs={"p": tank.e, "q": line.f},
+    )
+
+
+def test_algebraic_variables_are_solved_for_at_each_point():
+    equations = derive(_fed())
+    assert equations.algebraic
+    names = [symbol.name for symbol in equations.parameters]
+    functions = Functions(equations, ("p", "q"), ("R", "k"))
+    rng = numpy.random.default_rng(1)
+    t, x, u = numpy.arange(40.0), 3 * rng.normal(size=(40, 1)), 2 * rng.normal(size=(40, 1))
+    p = numpy.array([{"R": 1.5, "k": 2.0}[name] for name in names])
+    points = functions.at(t, x, u, p)
+    push = u[:, 0] - x[:, 0] / 2.0  # of the compliance
+    flow = numpy.sign(push) * (-1.5 + numpy.sqrt(1.5**2 + 8 * abs(push))) / 4
+    assert points.outputs[:, 1] == pytest.approx(flow, rel=1e-9)
+    # R dq + 2 k |q| dq = dp0 - dp, and so on for R and k
+    steep = 1 / (1.5 + 4 * abs(flow))
+    assert points.outputs_x[:, 1, 0] == pytest.approx(-steep / 2.0, rel=1e-9)
+    assert points.outputs_p[:, 1, 0] == pytest.approx(-flow * steep, rel=1e-9, abs=1e-12)
+    assert points.outputs_p[:, 1, 1] == pytest.approx(
+        -flow * abs(flow) * steep, rel=1e-9, abs=1e-12
+    )
