@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 from ...graph import BondGraph
 from ...simulation import CompiledModel
@@ -229,3 +229,16 @@ def near_noise(trial: Trial, bench: Bench, times: float = NEAR) -> bool:
         if not sure or trial.rmse(name) > times * floor(bench.recordings, name):
             return False
     return True
+
+
+def kept(current: Trial, added: Sequence[Added]) -> tuple[Added, ...]:
+    """Return effects with those that are in the graph already starting from their fitted values."""
+    values = {}
+    for item, grafted in zip(current.added, current.grafts, strict=True):
+        values[item.label] = {
+            key: current.values.get(name, item.starts[key])
+            for key, name in grafted.parameters.items()
+        }
+    return tuple(
+        replace(item, starts=values[item.label]) if item.label in values else item for item in added
+    )

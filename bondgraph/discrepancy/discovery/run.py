@@ -5,21 +5,19 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import replace
 from typing import Any
 
 from ...errors import LawError, MeasurementError, ParameterError, SimulationError
 from ...graph import BondGraph
 from ...parameters import unknown_name
 from ...simulation import CompiledModel
-from ...units import from_si, si_unit
 from ...values import parameter_values
 from ..candidates import Effect
 from ..candidates.table import effects as effects_of
+from ..fitting.unknowns import own_parameters
 from ..latent.isolability import isolability
 from ..latent.steady import Steadiness, steadiness
 from ..measurement import Measurement
-from ..screening.run import own_parameters
 from . import gaps as measured
 from .begin import anchored
 from .bench import Bench, Trial, near_noise
@@ -30,7 +28,8 @@ from .outliers import cleared
 from .outside import advice_for, relaxed_starts
 from .prepare import Prepared, distinct, held_out, prepared
 from .search import Found, along_runs, searched, starts_of
-from .value import Discovery, Estimate, Explanation, NamedEffect
+from .told import alternatives, explanation, fitted, named_effects, own_estimates
+from .value import Discovery
 from .verdict import Verdict
 from .words import unseen_words, unsteady_words, verdict_words
 
@@ -245,21 +244,21 @@ def _told(
             best = loose
     order = [best, *(t for t in ordered if t is not best), *([base] if best is not base else [])]
     ranked = tuple(
-        _explanation(base, trial, gap_share(explained, trial, tested, gap_of, scale), said)
+        explanation(base, trial, gap_share(explained, trial, tested, gap_of, scale), said)
         for trial in order
     )
     shown = best if said.verdict is not Verdict.NONE or best is loose else base
     gap, share = gap_of(shown), explained[id(shown)]
     first = next(item for item, trial in zip(ranked, order, strict=True) if trial is shown)
-    named = _named(base, said)
+    named = named_effects(base, said)
     return Discovery(
         graph=bench.graph,
         verdict=said.verdict,
         effects=named,
-        alternatives=_alternatives(ranked, named),
+        alternatives=alternatives(ranked, named),
         gap=gap,
         improved=fitted(shown) if said.verdict in (Verdict.NAMED, Verdict.AMBIGUOUS) else None,
-        parameters=_own(bench, shown),
+        parameters=own_estimates(bench, shown),
         nominal={name: bench.given[name] for name in bench.free},
         ranked=ranked,
         chosen=first,
@@ -338,91 +337,3 @@ def gap_share(
 
 def _sure(bench: Bench, name: str) -> bool:
     return all(row.told.get(name, True) for row in bench.recordings)
-
-
-def _label(trial: Trial) -> str:
-    return trial.label or "nothing missing"
-
-
-def _explanation(base: Trial, trial: Trial, share: float, said: Judgement) -> Explanation:
-    effects = effects_in(base, trial)
-    failed: tuple[str, ...] = ()
-    if trial is said.members[0]:
-        failed = said.failed
-    elif trial.added:
-        behind = delta_bic(trial, said.members[0])
-        failed = (f"the criterion prefers {_label(said.members[0])} by {behind:.3g}",)
-    diff = tuple(line for grafted in trial.grafts for line in grafted.diff)
-    return Explanation(effects, trial.graph, trial.fit, delta_bic(base, trial), share, failed, diff)
-
-
-def effects_in(base: Trial, trial: Trial) -> tuple[NamedEffect, ...]:
-    """Return the effects of a trial as they are reported."""
-    gain = delta_bic(base, trial) if trial.added else 0.0
-    found = []
-    for item, grafted in zip(trial.added, trial.grafts, strict=True):
-        table = {symbol.name: row for symbol, row in trial.graph.parameters.items()}
-        parameters = {}
-        for key, name in grafted.parameters.items():
-            value = trial.values.get(name, item.starts.get(key, math.nan))
-            unit = str(table[name].unit or "")
-            std = trial.fit.std.get(name, 0.0 if key not in item.effect.fitted else math.inf)
-            parameters[key] = Estimate(value, std, unit)
-        pair = item.site.at if len(item.site.at) == 2 else item.pair
-        between = (pair[0], pair[1]) if len(pair) == 2 else None
-        found.append(
-            NamedEffect(
-                item.effect.name,
-                grafted.name,
-                item.site.name,
-                between,
-                parameters,
-                gain,
-                item.effect.meaning,
-            )
-        )
-    return tuple(found)
-
-
-def _named(base: Trial, said: Judgement) -> tuple[NamedEffect, ...]:
-    if said.verdict is Verdict.NONE:
-        return ()
-    if said.verdict is not Verdict.AMBIGUOUS:
-        return effects_in(base, said.members[0])
-    found: dict[str, NamedEffect] = {}
-    for trial in said.members:
-        for effect in effects_in(base, trial):
-            found.setdefault(effect.label, effect)
-    return tuple(found.values())
-
-
-def _alternatives(
-    ranked: Sequence[Explanation], named: Sequence[NamedEffect]
-) -> tuple[NamedEffect, ...]:
-    known = {effect.label for effect in named}
-    found: dict[str, NamedEffect] = {}
-    for item in ranked:
-        for effect in item.effects:
-            if effect.label not in known:
-                found.setdefault(effect.label, effect)
-    return tuple(found.values())
-
-
-def _own(bench: Bench, trial: Trial) -> dict[str, Estimate]:
-    table = {symbol.name: row for symbol, row in bench.graph.parameters.items()}
-    return {
-        name: Estimate(
-            trial.values[name], trial.fit.std.get(name, math.inf), si_unit(table[name].unit)
-        )
-        for name in bench.free
-    }
-
-
-def fitted(trial: Trial) -> BondGraph:
-    """Return a trial's graph with the fitted values in its table, in the units that stand there."""
-    table = {}
-    for symbol, row in trial.graph.parameters.items():
-        if symbol.name in trial.values:
-            row = replace(row, value=from_si(trial.values[symbol.name], row.unit))
-        table[symbol] = row
-    return replace(trial.graph, parameters=table)

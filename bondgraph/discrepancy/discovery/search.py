@@ -4,42 +4,32 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-
-import numpy
 
 from ...errors import BondGraphError
 from ...simulation import CompiledModel
 from ..candidates import Effect
 from ..latent.null import threshold
 from ..latent.probes import probed
-from ..latent.relax import LONGEST, Relaxed, relaxed
-from ..latent.screen import Hypothesis, Sketch, sketched
-from .bench import Added, Bench, Draft, Trial, idle, label_of, near_noise
+from ..latent.relax import Relaxed, relaxed
+from ..latent.screen import Sketch, sketched
+from .bench import Bench, Trial, near_noise
 from .compare import delta_bic, preference
 from .constants import Constant, constant_off
 from .gaps import WHITE, sizes
 from .outliers import without_outliers
-from .trial import drafted, fitted_from, tried
+from .propose import FITTED, MOST, WORTH, Tell, drafts_of, idle_pair
+from .refine import settled, simplified, without_needless
+from .trial import fitted_from, tried
 
-Tell = Callable[[str], object]
-
-MOST = 3  # effects
-DRY = ("coulomb_friction", "stribeck_friction", "lugre_friction", "hysteresis")
 LOST = 0.8  # of a signal's deviation
-PROMISE = 0.7  # of what a refit has to bring, to be worth one
-ALONG = 4  # of those that a score along the model's own run puts first
-SETTLED, PATIENT = 150, 3.0  # steps of the last fit, and how many times longer it may take
-SINGLES, PAIRS, HIDDEN = 10, 4, 3  # eased in each round
-FIRST, FITTED = 2, 3  # of them fitted by runs: the first of the sketch, the best eased ones
 HOPELESS = 50.0  # behind one that reaches the noise, by twice the logarithm of the likelihood
 OUTDONE = 3.0  # times as far from the data as the nearest, and less likely: worth a short fit only
-TRIES, ROUND = 1.5, 2.0  # so many times a fit's limit may the tries and the fits of a round take
+ROUND = 2.0  # so many times a fit's limit may the fits of a round take
 ROUNDS = 3.0  # the same, after which no other round is begun
 SAMPLE = 5e-4  # seconds that a fit may take for each sample of a long recording
 SHORTEST, TIMES = 8.0, 3.0  # a fit may take so many seconds, or times as long as the base
-WORTH = 10.0  # drop of the criterion that an effect has to bring: odds of 150 to 1
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,7 +112,7 @@ def searched(bench: Bench, signals: Sequence[str], effects: Sequence[Effect], te
         tell("scoring along the model's own run")
         beside = along_runs(bench, base, signals, effects)
     current, trials, warnings = base, list[Trial](), list(said)
-    settled: Trial | None = None
+    done: Trial | None = None
     began = time.monotonic()
     sketches, limits = [], []
     while True:
@@ -137,7 +127,7 @@ def searched(bench: Bench, signals: Sequence[str], effects: Sequence[Effect], te
         current = better
         if not current.fit.outcome.ok:
             # what a fit has not come to yet looks like an effect that is missing
-            current = settled = _settled(bench, current, trials, tell)
+            current = done = settled(bench, current, trials, tell)
         if len(current.added) >= MOST or near_noise(current, bench) or white(current):
             break
         if bench.late or time.monotonic() - began > ROUNDS * bench.seconds:
@@ -152,10 +142,10 @@ def searched(bench: Bench, signals: Sequence[str], effects: Sequence[Effect], te
         except BondGraphError as error:
             warnings.append(f"no second search: {error}")
             break
-    current = _without(bench, base, current, trials, tell)
-    current = _simplified(bench, base, current, trials, effects, tell)
-    if current.added and current is not settled and not near_noise(current, bench):
-        current = _settled(bench, current, trials, tell)
+    current = without_needless(bench, base, current, trials, tell)
+    current = simplified(bench, base, current, trials, effects, tell)
+    if current.added and current is not done and not near_noise(current, bench):
+        current = settled(bench, current, trials, tell)
     constant = constant_off(bench, base, current, tell) if current.added else None
     return Found(
         bench,
@@ -167,17 +157,6 @@ def searched(bench: Bench, signals: Sequence[str], effects: Sequence[Effect], te
         tuple(warnings),
         constant,
     )
-
-
-def _settled(bench: Bench, trial: Trial, trials: list[Trial], tell: Tell) -> Trial:
-    """Fit a trial once more, patiently; what is better takes its place among the trials."""
-    tell(f"settling {trial.label}")
-    patient = replace(bench, seconds=max(bench.seconds, PATIENT * trial.fit.seconds))
-    found = tried(patient, _kept(trial, trial.added), [trial.values], steps=SETTLED)
-    if isinstance(found, BondGraphError) or delta_bic(trial, found) <= 0:
-        return trial
-    trials[:] = [found if each is trial else each for each in trials]
-    return found
 
 
 def _limit(bench: Bench, base: Trial) -> float:
@@ -280,11 +259,11 @@ def _refitted(
 
     Easing a fit in takes little and tells which hypotheses are worth a fit by runs.
     """
-    drafts, first = _drafts(bench, current, base, sketch, limit, known, tell, beside)
+    drafts, first = drafts_of(bench, current, base, sketch, limit, known, tell, beside)
     nearest = sorted(drafts, key=lambda draft: draft.off)
     first += [draft.label for draft in nearest[:FITTED]]
     closest = nearest[0].off if nearest else math.inf
-    drafts = [draft for draft in drafts if not _idle_pair(draft, drafts)]
+    drafts = [draft for draft in drafts if not idle_pair(draft, drafts)]
     likeliest = min((draft.likelihood for draft in drafts), default=math.inf)
     trials: list[Trial] = []
     reached, terms = math.inf, 0
@@ -317,187 +296,3 @@ def _refitted(
             if (near_noise(trial, bench) or white(trial)) and draft.likelihood < reached:
                 reached, terms = draft.likelihood, draft.terms
     return trials
-
-
-def _idle_pair(draft: Draft, drafts: Sequence[Draft]) -> bool:
-    """Whether a draft with fewer of the same effects is as likely."""
-    own = {item.label for item in draft.added}
-    return any(
-        {item.label for item in other.added} < own and other.likelihood <= draft.likelihood + WORTH
-        for other in drafts
-    )
-
-
-def _drafts(
-    bench: Bench,
-    current: Trial,
-    base: Trial,
-    sketch: Sketch,
-    limit: float,
-    known: Sequence[Trial],
-    tell: Tell,
-    beside: Sketch | None,
-) -> tuple[list[Draft], list[str]]:
-    """Return what a sketch says is worth a try, beside what is in the graph already.
-
-    Also return the labels of those that are to be fitted in any case: the best of each kind.
-    """
-    done = {trial.label for trial in known}
-    worth = [item for item in sketch.singles if item.gain > PROMISE * max(limit, WORTH)]
-    if not near_noise(current, bench):
-        # something is left: the best are tried, whatever they promise
-        worth = worth or [item for item in sketch.singles if item.gain > 0][:FITTED]
-    wanted = worth[:SINGLES]
-    alone = wanted[0].gain if wanted else 0.0
-    room = MOST - len(current.added)
-    twos = _led(sketch, alone)
-    hidden = _hidden(sketch)
-    pairs = [*twos[:PAIRS], *hidden[:HIDDEN]] if room > 1 else []
-    drafts: list[Draft] = []
-    first: list[str] = []
-    began = time.monotonic()
-    others = [] if beside is None else beside.singles[:ALONG]
-    items = [*wanted, *pairs, *(item for item in others if item.gain > WORTH)]
-    for item in items:
-        if len(item.candidates) > 1 and any(each.effect.impacts for each in item.candidates):
-            continue  # runs with impacts take long: what is beside them is found in the next round
-        added = (*current.added, *(_added(item, i) for i in range(len(item.candidates))))
-        added = tuple({each.label: each for each in added}.values())
-        label = label_of(added)
-        if label in done or len(added) <= len(current.added) or _one_contact(added):
-            continue
-        done.add(label)
-        if bench.late or time.monotonic() - began > TRIES * bench.seconds:
-            break
-        tell(f"trying {label}")
-        own = [
-            _own(beside if beside and item in others else sketch, item),
-            current.values,
-            base.values,
-        ]
-        draft = drafted(bench, _kept(current, added), own)
-        if isinstance(draft, Draft):
-            drafts.append(draft)
-            if any(item is one for one in (*wanted[:FIRST], *twos[:1], *hidden[:1], *others[:1])):
-                first.append(draft.label)
-    return drafts, first
-
-
-def _one_contact(added: Sequence[Added]) -> bool:
-    """Whether two of the effects are descriptions of one and the same rubbing contact."""
-    places = [item.site.name for item in added if item.effect.name in DRY]
-    return len(set(places)) < len(places)
-
-
-def _led(sketch: Sketch, alone: float) -> list[Hypothesis]:
-    """Return the best pair that each of the best singles leads, where it brings more than that one.
-
-    Pairs with one effect that seems to explain much would otherwise crowd out all others.
-    """
-    rank = {item.label: place for place, item in enumerate(sketch.singles)}
-    found: dict[int, Hypothesis] = {}
-    for item in sketch.pairs:
-        places = [rank.get(member.label, len(rank)) for member in item.candidates]
-        leader = min(places)
-        worth = sketch.singles[leader].gain if leader < len(rank) else alone
-        if item.gain > worth + WORTH and leader not in found:
-            found[leader] = item
-    return [found[place] for place in sorted(found)]
-
-
-def _hidden(sketch: Sketch) -> list[Hypothesis]:
-    """Return pairs that bring more than their members do by themselves, most of all first.
-
-    Dry friction and air drag, say, beside a viscous bearing that stands for both.
-    """
-    alone = {item.label: max(item.gain, 0.0) for item in sketch.singles}
-
-    def beyond(item: Hypothesis) -> float:
-        return item.gain - sum(alone.get(member.label, 0.0) for member in item.candidates)
-
-    return sorted((p for p in sketch.pairs if beyond(p) > WORTH), key=beyond, reverse=True)
-
-
-def _kept(current: Trial, added: Sequence[Added]) -> tuple[Added, ...]:
-    """Return effects with those that are in the graph already starting from their fitted values."""
-    values = {}
-    for item, grafted in zip(current.added, current.grafts, strict=True):
-        values[item.label] = {
-            key: current.values.get(name, item.starts[key])
-            for key, name in grafted.parameters.items()
-        }
-    return tuple(
-        replace(item, starts=values[item.label]) if item.label in values else item for item in added
-    )
-
-
-def _added(item: Hypothesis, number: int) -> Added:
-    candidate = item.candidates[number]
-    starts = candidate.effect.start(candidate.scale)
-    starts |= candidate.starts(item.amounts[number].tolist())
-    return Added(candidate.effect, candidate.site, starts, candidate.pair)
-
-
-def _own(sketch: Sketch, item: Hypothesis) -> dict[str, float]:
-    """Return the own parameters that go with a hypothesis, to first order."""
-    table = sketch.relaxed.table
-    longest = float(numpy.abs(item.own).max(initial=LONGEST))
-    return table.given(sketch.relaxed.values + item.own * min(1.0, LONGEST / longest))
-
-
-def _without(bench: Bench, base: Trial, current: Trial, trials: list[Trial], tell: Tell) -> Trial:
-    """Drop effects that others have made needless."""
-    while len(current.added) > 1:
-        fewer = []
-        for item in current.added:
-            kept = _kept(current, current.added)
-            rest = tuple(each for each in kept if each.label != item.label)
-            label = label_of(rest)
-            same = [trial for trial in trials if trial.label == label]
-            # beside an effect that does nothing, the others may have come further
-            if not same or item.label in idle(current):
-                tell(f"fitting {label}")
-                trial = tried(bench, rest, [current.values, base.values])
-                fresh = [trial] if isinstance(trial, Trial) else []
-                trials += fresh
-                same = [*same, *fresh]
-            fewer += same
-        best = min(fewer, key=lambda trial: delta_bic(trial, current), default=None)
-        if best is None or delta_bic(best, current) >= WORTH:
-            break
-        current = best
-    return current
-
-
-def _simplified(
-    bench: Bench,
-    base: Trial,
-    current: Trial,
-    trials: list[Trial],
-    effects: Sequence[Effect],
-    tell: Tell,
-) -> Trial:
-    """Put a simpler effect in the place of one that comes down to it, unless that loses something."""
-    table = {effect.name: effect for effect in effects}
-    while True:
-        simpler = []
-        kept = _kept(current, current.added)
-        for place, item in enumerate(kept):
-            for effect in (table[name] for name in item.effect.limits if name in table):
-                starts = {key: item.starts[key] for key in effect.fitted}
-                added = (
-                    *kept[:place],
-                    replace(item, effect=effect, starts=starts),
-                    *kept[place + 1 :],
-                )
-                known = [trial for trial in trials if trial.label == label_of(added)]
-                if not known:
-                    tell(f"fitting {label_of(added)}")
-                    trial = tried(bench, added, [current.values, base.values])
-                    known = [trial] if isinstance(trial, Trial) else []
-                    trials += known
-                simpler += known
-        best = min(simpler, key=lambda trial: delta_bic(trial, current), default=None)
-        if best is None or delta_bic(best, current) >= 0:
-            return current
-        current = best

@@ -14,10 +14,10 @@ from ...errors import BondGraphError, ParameterError, SimulationError
 from ...graph import BondGraph
 from ...simulation import CompiledModel
 from ..fitting import Fit, fit
+from ..fitting.unknowns import own_parameters
 from ..grafting import Grafted
 from ..latent.relax import LOOSE, eased
 from ..measurement import Measurement
-from ..screening.run import own_parameters
 from .begin import begun_at, fitted_by, grown, open_states, phases, started, ties_of
 from .bench import Added, Bench, Draft, Trial, near_noise
 from .compare import delta_bic

@@ -238,3 +238,17 @@ def _flat(free: Sequence[Any], states: Iterable[str]) -> Iterable[str]:
 
 def _name(key: Any) -> str:
     return key if isinstance(key, str) else str(getattr(key, "name", key))
+
+
+def own_parameters(model: CompiledModel) -> tuple[str, ...]:
+    """Return the parameters with a number of their own that the equations use, through others or not."""
+    used = {symbol.name for symbol in model.equations.parameters}
+    table = model.equations.graph.parameters
+    derived = {
+        symbol.name: {s.name for s in row.value.free_symbols}
+        for symbol, row in table.items()
+        if row.derived
+    }
+    while more := {s for name in used for s in derived.get(name, ())} - used:
+        used |= more
+    return tuple(symbol.name for symbol in table if symbol.name in used - derived.keys())

@@ -2,7 +2,8 @@
 
 `relax` follows recordings, `probes` and `columns` say what every effect at every site would do along
 them, `screen` scores effects, `null` says what noise alone would reach, `isolability` which effects
-cannot be told apart.
+cannot be told apart, `steady` whether one is as large all along. `functions`, `implicit`, `grid`, `phi`,
+`linear` and `smooth` are the numerics beneath.
 """
 
 from .isolability import Isolability, isolability, splitting

@@ -14,6 +14,7 @@ from ...graph import BondGraph
 from ...simulation import CompiledModel, simulate
 from ..candidates import Effect, Scale
 from ..candidates.places import FLOW_JUNCTION, FLOW_PAIR, JUNCTIONS
+from ..fitting.unknowns import own_parameters
 from ..grafting import Site, sites
 from ..measurement import Matched, Measurement, matched
 from ..measurement.noise import noise_floor
@@ -183,20 +184,6 @@ def screen(
         segmented=found,
         warnings=tuple(dict.fromkeys(warnings)),
     )
-
-
-def own_parameters(model: CompiledModel) -> tuple[str, ...]:
-    """Return the parameters with a number of their own that the equations use, through others or not."""
-    used = {symbol.name for symbol in model.equations.parameters}
-    table = model.equations.graph.parameters
-    derived = {
-        symbol.name: {s.name for s in row.value.free_symbols}
-        for symbol, row in table.items()
-        if row.derived
-    }
-    while more := {s for name in used for s in derived.get(name, ())} - used:
-        used |= more
-    return tuple(symbol.name for symbol in table if symbol.name in used - derived.keys())
 
 
 def _record(item: Matched, noise: Mapping[str, float]) -> Record:
