@@ -26,8 +26,8 @@ from .trial import fitted_from, tried
 LOST = 0.8  # of a signal's deviation
 HOPELESS = 50.0  # behind one that reaches the noise, by twice the logarithm of the likelihood
 OUTDONE = 3.0  # times as far from the data as the nearest, and less likely: worth a short fit only
-ROUND = 2.0  # so many times a fit's limit may the fits of a round take
-ROUNDS = 3.0  # the same, after which no other round is begun
+ROUND = 2.0  # so many times a fit's limit may the fits of a round take, of processor time
+ROUNDS = 6.0  # the same, after which no other round is begun
 SAMPLE = 5e-4  # seconds that a fit may take for each sample of a long recording
 SHORTEST, TIMES = 8.0, 3.0  # a fit may take so many seconds, or times as long as the base
 
@@ -113,7 +113,7 @@ def searched(bench: Bench, signals: Sequence[str], effects: Sequence[Effect], te
         beside = along_runs(bench, base, signals, effects)
     current, trials, warnings = base, list[Trial](), list(said)
     done: Trial | None = None
-    began = time.monotonic()
+    began = time.process_time()
     sketches, limits = [], []
     while True:
         limit = threshold(sketch)
@@ -130,7 +130,7 @@ def searched(bench: Bench, signals: Sequence[str], effects: Sequence[Effect], te
             current = done = settled(bench, current, trials, tell)
         if len(current.added) >= MOST or near_noise(current, bench) or white(current):
             break
-        if bench.late or time.monotonic() - began > ROUNDS * bench.seconds:
+        if bench.late or time.process_time() - began > ROUNDS * bench.seconds:
             more = "raise time_budget" if bench.late else "fits take long here"
             warnings.append(f"the seconds allowed were used up: not all was tried; {more}")
             break
@@ -271,7 +271,7 @@ def _refitted(
     impacts = not current.model.switched
     slow = impacts and any(t.model.switched and delta_bic(current, t) < 0 for t in known)
     drafts.sort(key=lambda draft: (impacts and draft.model.switched, draft.likelihood))
-    began = time.monotonic()
+    began = time.process_time()
     for place, draft in enumerate(drafts):
         behind = math.isfinite(draft.likelihood) and draft.likelihood > reached + HOPELESS
         if behind and draft.terms >= terms:
@@ -280,7 +280,7 @@ def _refitted(
             continue
         if slow and draft.model.switched:
             continue
-        over = time.monotonic() - began > ROUND * bench.seconds
+        over = time.process_time() - began > ROUND * bench.seconds
         if bench.late or (over and not (impacts and draft.model.switched)):
             break
         tell(f"fitting {draft.label}")
