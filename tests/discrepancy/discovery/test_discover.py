@@ -4,7 +4,7 @@ import numpy
 import pytest
 import sympy
 
-from bondgraph import One, R, Se, assemble, simulate
+from bondgraph import C, I, One, R, Se, Zero, assemble, derive, simulate
 from bondgraph.discrepancy import Measurement, discover, graft
 from bondgraph.discrepancy.candidates import FLOW, Coefficient, Effect, Feature, resistor
 from bondgraph.errors import (
@@ -268,3 +268,34 @@ def test_recordings_as_they_come_still_name_it(harm):
     told = discover(NOMINAL, harmed(0), harmed(1), effects=FEW)
     assert [effect.label for effect in told.effects] == ["quadratic_drag at carriage"]
     assert told.effects[0].parameters["drag"].value == pytest.approx(15, rel=0.1)
+
+
+def test_a_model_that_keeps_algebraic_variables_is_followed():
+    """A pipe of two resistances in series with a tank: no formula gives its flow. What lacks is its fluid's mass."""
+    supply, resistance, drag = sympy.Symbol("p0"), *sympy.symbols("R k", positive=True)
+
+    def fed(mass):
+        line, tank = One("line"), Zero("tank")
+        pipe = R("pipe", effort=lambda f: resistance * f + drag * f * abs(f))
+        inside = (pipe, I("fluid", mass)) if mass else (pipe,)
+        return assemble(
+            "fed",
+            Se("pump", supply) >> line >> inside,
+            line >> tank >> (C("store", 2.0), R("out", flow=lambda e: 0.3 * e)),
+            parameters={resistance: 1.0, drag: 2.0},
+            inputs=[supply],
+            outputs={"p": tank.e, "q": line.f},
+        )
+
+    assert derive(fed(0)).algebraic
+    rows = []
+    for seed in (0, 1):
+        t = numpy.linspace(0, 12, 241)
+        level = 1 + 3 * numpy.sin(t + seed) + 2 * numpy.sin((0.37 + 0.9 * seed) * t)
+        run = simulate(fed(0.4), t[-1], inputs={"p0": (t, level)}, t_eval=t)
+        rng = numpy.random.default_rng(seed)
+        noisy = {n: run[n] + 0.01 * run[n].std() * rng.normal(size=len(t)) for n in ("p", "q")}
+        rows.append(Measurement(t, {"p0": level, **noisy}))
+    told = discover(fed(0), *rows, effects=["added_inertia", "leakage", "effort_bias"])
+    assert [effect.label for effect in told.effects] == ["added_inertia at line"]
+    assert told.effects[0].parameters["inertance"].value == pytest.approx(0.4, rel=0.05)

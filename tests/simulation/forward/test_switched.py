@@ -16,11 +16,13 @@ from bondgraph import (
     Integrator,
     One,
     R,
+    Samples,
     Se,
     Switch,
     Zero,
     assemble,
     sensitivities,
+    simulate,
 )
 from tests.differences import differences
 
@@ -170,3 +172,41 @@ def test_modes_with_algebraic_variables_by_differences():
         exact = differences(model, 0.4, name, t, steps=(3e-3, 1e-3), rtol=1e-9, max_step=0.05)
         error = np.abs(found.x[:, c] - exact.x)[:, exact.far].max()
         assert error < 1e-6 * exact.scale[0]
+
+
+@pytest.mark.parametrize("hold", ["zero", "linear"])
+def test_an_input_with_knots_leaves_free_modes_alone(hold):
+    """A mass pushed by a table hits its stops; knots between impacts jump nothing."""
+    k, push, gap = sympy.Symbol("k", positive=True), sympy.Symbol("push"), sympy.Symbol("gap")
+    v = One("v")
+    way = Integrator("way", v.f)
+    stop = EndStop("stop", gap=gap - way.y, restitution=0.6)
+    graph = assemble(
+        "pushed",
+        Se("motor", push) >> v >> (I("m", 1.0), C("k", stiffness=k), R("b", 0.3), stop),
+        way,
+        parameters={k: 20.0, gap: 0.25},
+        inputs=[push],
+    )
+    t = np.linspace(0, 3, 61)
+    inputs = {"push": Samples(t, 6 * np.sin(5 * t), hold)}
+    found = sensitivities(graph, 3.0, ["k", "gap"], inputs=inputs, t_eval=t, rtol=1e-10)
+    assert len(found.events) >= 2
+    for row, name in zip(found["m.p"], ("k", "gap"), strict=True):
+        h = 1e-6
+        up, down = (
+            simulate(
+                graph,
+                3.0,
+                {name: {"k": 20.0, "gap": 0.25}[name] + sign * h},
+                inputs=inputs,
+                t_eval=t,
+                rtol=1e-11,
+            )["m.p"]
+            for sign in (1, -1)
+        )
+        clear = np.array([min(abs(s - e.t) for e in found.trajectory.events) > 1e-3 for s in t])
+        quotient = (up - down) / (2 * h)
+        assert row[clear] == pytest.approx(
+            quotient[clear], rel=1e-4, abs=1e-5 * abs(quotient[clear]).max()
+        )
