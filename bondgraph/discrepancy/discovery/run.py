@@ -279,13 +279,20 @@ def _told(
 
 
 def _steadiness(bench: Bench, found: Found, best: Trial) -> tuple[Steadiness, ...]:
-    """Return how large the effects of a trial are in parts of the recordings; none where not told."""
+    """Return how large the effects of a trial are in parts of the recordings; none where not told.
+
+    Where all that is left is noise, no part asks for another size; and an effect without a
+    coefficient that it is proportional to has none.
+    """
+    sized = [item for item in best.added if item.effect.linear]
+    if not sized or near_noise(best, bench):
+        return ()
     signals = found.sketches[0].relaxed.functions.outputs
-    effects = list({item.effect.name: item.effect for item in best.added}.values())
-    fitted = along_runs(bench, best, signals, effects) if effects else None
+    effects = list({item.effect.name: item.effect for item in sized}.values())
+    fitted = along_runs(bench, best, signals, effects)
     if fitted is None:
         return ()
-    return steadiness(found.sketches[0], fitted, [item.label for item in best.added])
+    return steadiness(found.sketches[0], fitted, [item.label for item in sized])
 
 
 def _number_off(

@@ -27,7 +27,7 @@ LOST = 0.8  # of a signal's deviation
 HOPELESS = 50.0  # behind one that reaches the noise, by twice the logarithm of the likelihood
 OUTDONE = 3.0  # times as far from the data as the nearest, and less likely: worth a short fit only
 ROUND = 2.0  # so many times a fit's limit may the fits of a round take, of processor time
-ROUNDS = 6.0  # the same, after which no other round is begun
+ROUNDS = 6.0  # the same, after which no other round is begun; half of it where states jump
 SAMPLE = 5e-4  # seconds that a fit may take for each sample of a long recording
 SHORTEST, TIMES = 8.0, 3.0  # a fit may take so many seconds, or times as long as the base
 
@@ -130,7 +130,8 @@ def searched(bench: Bench, signals: Sequence[str], effects: Sequence[Effect], te
             current = done = settled(bench, current, trials, tell)
         if len(current.added) >= MOST or near_noise(current, bench) or white(current):
             break
-        if bench.late or time.process_time() - began > ROUNDS * bench.seconds:
+        most = ROUNDS / 2 if current.model.switched else ROUNDS
+        if bench.late or time.process_time() - began > most * bench.seconds:
             more = "raise time_budget" if bench.late else "fits take long here"
             warnings.append(f"the seconds allowed were used up: not all was tried; {more}")
             break
