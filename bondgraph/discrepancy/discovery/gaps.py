@@ -153,7 +153,7 @@ def removed(
         Of the signals, which they are measured by.
     counts : mapping of str to int, optional
         Samples by signal. With them, what is left is as good as gone where so many samples of the
-        noise might as well leave it, and the gap before is more than that.
+        noise might as well leave it, and what went is more than that.
     """
     before = after = scatter = 0.0
     for name, gap in found.items():
@@ -167,7 +167,7 @@ def removed(
     if not math.isfinite(before):
         return 1.0
     chance = SCATTER * math.sqrt(scatter) if counts else 0.0
-    if before > chance:
+    if before - after > chance:
         after = max(after - chance, 0.0)
     return 1 - math.sqrt(after / before) if before > 0 else 0.0
 

@@ -57,9 +57,26 @@ def test_counts():
     ours = judged(truth, {"id": "a1", "verdict": "named", "effects": effects})
     right = {"a1": {"effects": [{"name": "v|v|", "site": "v"}]}}
     wrong = {"a1": {"effects": [{"name": "sign(v)", "site": "v"}]}}
-    assert race.counted([ours], right).rows == [["2.0%", "1", "1", "1"], ["all", "1", "1", "1"]]
-    found = race.counted([ours], wrong)
-    assert found.rows[-1] == ["all", "1", "1", "0"] and found.limits[0].value == 1
+    found = race.counted([ours], {"one": right, "other": wrong})
+    assert found.headings[2:] == ("discover", "one", "other")
+    assert found.rows == [["2.0%", "1", "1", "1", "0"], ["all", "1", "1", "1", "0"]]
+    assert found.limits[0].value == 0  # ahead of the better one
+    assert race.counted([ours], {"one": wrong}).limits[0].value == 1
+
+
+def test_smoothed_signals_are_nearer_to_the_truth(tmp_path):
+    from .smoothed import latent
+
+    case = made(plan_of("mass_spring", "cubic_stiffness", 0.02))
+    (folder,) = files.write([case], tmp_path)
+    columns = latent(folder, "train")
+    assert columns.keys() == {"x", "v"}
+    for name, smooth in columns.items():
+        measured = next(
+            c for n, c in case.records["train"].columns.items() if n.startswith(f"{name} ")
+        )
+        off = np.std(measured - smooth)
+        assert 0.5 * 0.02 < off / np.std(measured) < 1.2 * 0.02  # the noise is what is left
 
 
 def test_the_peer_names_a_cubic_spring(tmp_path):
