@@ -15,9 +15,7 @@ from .place import Change, Place
 from .places import FLOW_JUNCTION, FLOW_PAIR, OUTPUT, POWER, SOURCE
 from .value import SIGNAL, Coefficient, Effect
 
-DELAY_SECTIONS = (
-    4  # all-pass, each a Pade (1, 1) form of its part of the delay; even: no change of sign
-)
+DELAY_SECTIONS = 4  # all-pass, each Pade (1, 1) of its part of the delay; even: no change of sign
 
 
 def said(place: Place, signal: sympy.Expr, **more: object) -> Change:

@@ -48,14 +48,9 @@ def label_of(added: Iterable[Added]) -> str:
     return " + ".join(sorted(item.label for item in added))
 
 
-def terms_of(added: Iterable[Added]) -> int:
-    """Return the number of coefficients that data tell."""
-    return sum(len(item.effect.fitted) for item in added)
-
-
 @dataclass(frozen=True, eq=False)
-class Trial:
-    """A graph with effects, fitted.
+class Grown:
+    """A graph into which effects are grown.
 
     Attributes
     ----------
@@ -63,6 +58,30 @@ class Trial:
     grafts : tuple of Grafted
     graph : BondGraph
     model : CompiledModel
+    """
+
+    added: tuple[Added, ...]
+    grafts: tuple[Grafted, ...]
+    graph: BondGraph
+    model: CompiledModel
+
+    @property
+    def label(self) -> str:
+        """Effects and sites, in one order."""
+        return label_of(self.added)
+
+    @property
+    def terms(self) -> int:
+        """Coefficients that the effects brought, of those that data tell."""
+        return sum(len(item.effect.fitted) for item in self.added)
+
+
+@dataclass(frozen=True, eq=False)
+class Trial(Grown):
+    """A graph with effects, fitted.
+
+    Attributes
+    ----------
     fit : Fit
     measurements : tuple of Measurement
         With the start states found.
@@ -74,10 +93,6 @@ class Trial:
         Start states of the effects that were sought, in all recordings.
     """
 
-    added: tuple[Added, ...]
-    grafts: tuple[Grafted, ...]
-    graph: BondGraph
-    model: CompiledModel
     fit: Fit
     measurements: tuple[Measurement, ...]
     squares: Mapping[str, float]
@@ -87,14 +102,9 @@ class Trial:
     begins: int = 0
 
     @property
-    def label(self) -> str:
-        """Effects and sites, in one order."""
-        return label_of(self.added)
-
-    @property
     def terms(self) -> int:
         """Coefficients that the effects brought, and start states that were sought with them."""
-        return terms_of(self.added) + self.begins
+        return super().terms + self.begins
 
     @property
     def strain(self) -> float:
@@ -182,15 +192,11 @@ class Bench:
 
 
 @dataclass(frozen=True, eq=False)
-class Draft:
+class Draft(Grown):
     """Effects grown into the graph, and where a fit may start.
 
     Attributes
     ----------
-    added : tuple of Added
-    grafts : tuple of Grafted
-    graph : BondGraph
-    model : CompiledModel
     starts : tuple of mapping of str to float
         Parameters, the best guess first.
     begins : tuple of mapping of str to float
@@ -202,24 +208,10 @@ class Draft:
         How far the run from the best start is from the data, see `misfit`.
     """
 
-    added: tuple[Added, ...]
-    grafts: tuple[Grafted, ...]
-    graph: BondGraph
-    model: CompiledModel
     starts: tuple[Mapping[str, float], ...]
     begins: tuple[Mapping[str, float], ...]
     likelihood: float = math.inf
     off: float = math.inf
-
-    @property
-    def label(self) -> str:
-        """Effects and sites, in one order."""
-        return label_of(self.added)
-
-    @property
-    def terms(self) -> int:
-        """Coefficients that the effects brought."""
-        return terms_of(self.added)
 
 
 def near_noise(trial: Trial, bench: Bench, times: float = NEAR) -> bool:

@@ -68,12 +68,13 @@ def _cleaned(
     found: Relaxed, row: Prepared, courses: Sequence[Course]
 ) -> tuple[Prepared, list[str]]:
     columns, words = dict(row.plain.columns), []
+    left = [course.record.measured - found.said(course) for course in courses]
     for place, name in enumerate(found.functions.outputs):
         if name not in row.signals:
             continue
         far = numpy.zeros(len(row.plain.t), dtype=bool)
-        for course in courses:
-            off = _off(found, course, place)
+        for course, residuals in zip(courses, left, strict=True):
+            off = residuals[:, place]
             spread = NORMAL * float(numpy.nanmedian(numpy.abs(off)))
             with numpy.errstate(invalid="ignore"):
                 marked = numpy.abs(off) > FAR * max(spread, course.record.noise[place])
@@ -95,12 +96,3 @@ def _peaks(off: Array) -> Array:
     padded = numpy.pad(numpy.nan_to_num(off), BESIDE)
     around = numpy.lib.stride_tricks.sliding_window_view(padded, 2 * BESIDE + 1)
     return numpy.asarray(numpy.nan_to_num(off) >= around.max(axis=1))
-
-
-def _off(found: Relaxed, course: Course, place: int) -> Array:
-    at = course.grid.samples
-    p = found.table.vector(found.values)
-    said = found.functions.at(course.grid.t[at], course.x[at], course.grid.before[at], p).outputs[
-        :, place
-    ]
-    return numpy.asarray(course.record.measured[:, place] - said)

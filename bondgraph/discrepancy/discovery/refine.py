@@ -32,8 +32,8 @@ def without_needless(
     """Drop effects that others have made needless."""
     while len(current.added) > 1:
         fewer = []
+        own = kept(current, current.added)
         for item in current.added:
-            own = kept(current, current.added)
             rest = tuple(each for each in own if each.label != item.label)
             label = label_of(rest)
             same = [trial for trial in trials if trial.label == label]

@@ -14,7 +14,7 @@ from ..latent.null import threshold
 from ..latent.probes import probed
 from ..latent.relax import Relaxed, relaxed
 from ..latent.screen import Sketch, sketched
-from .bench import Bench, Trial, near_noise
+from .bench import Bench, Draft, Trial, near_noise
 from .compare import delta_bic, preference
 from .constants import Constant, constant_off
 from .gaps import WHITE, sizes
@@ -119,7 +119,8 @@ def searched(bench: Bench, signals: Sequence[str], effects: Sequence[Effect], te
         limit = threshold(sketch)
         sketches.append(sketch)
         limits.append(limit)
-        fresh = _refitted(bench, current, base, sketch, limit, trials, tell, beside)
+        drafts, first = drafts_of(bench, current, base, sketch, limit, trials, tell, beside)
+        fresh = _refitted(bench, current, drafts, first, trials, tell)
         trials += fresh
         better = max(fresh, key=lambda trial: preference(current, trial), default=None)
         if better is None or delta_bic(current, better) < max(WORTH, limit):
@@ -249,35 +250,32 @@ def ways_of(found: Relaxed) -> dict[tuple[str, str], float]:
 def _refitted(
     bench: Bench,
     current: Trial,
-    base: Trial,
-    sketch: Sketch,
-    limit: float,
+    drafts: Sequence[Draft],
+    first: Sequence[str],
     known: Sequence[Trial],
     tell: Tell,
-    beside: Sketch | None,
 ) -> list[Trial]:
-    """Refit the best hypotheses of a sketch, beside what is in the graph already.
+    """Refit the best drafts, and in any case those whose labels are among the first.
 
     Easing a fit in takes little and tells which hypotheses are worth a fit by runs.
     """
-    drafts, first = drafts_of(bench, current, base, sketch, limit, known, tell, beside)
     nearest = sorted(drafts, key=lambda draft: draft.off)
-    first += [draft.label for draft in nearest[:FITTED]]
+    wanted = {*first, *(draft.label for draft in nearest[:FITTED])}
     closest = nearest[0].off if nearest else math.inf
-    drafts = [draft for draft in drafts if not idle_pair(draft, drafts)]
-    likeliest = min((draft.likelihood for draft in drafts), default=math.inf)
+    useful = [draft for draft in drafts if not idle_pair(draft, drafts)]
+    likeliest = min((draft.likelihood for draft in useful), default=math.inf)
     trials: list[Trial] = []
     reached, terms = math.inf, 0
     # runs that search their modes have slow derivatives: where one fit of them fails, others do
     impacts = not current.model.switched
     slow = impacts and any(t.model.switched and delta_bic(current, t) < 0 for t in known)
-    drafts.sort(key=lambda draft: (impacts and draft.model.switched, draft.likelihood))
+    useful.sort(key=lambda draft: (impacts and draft.model.switched, draft.likelihood))
     began = time.process_time()
-    for place, draft in enumerate(drafts):
+    for place, draft in enumerate(useful):
         behind = math.isfinite(draft.likelihood) and draft.likelihood > reached + HOPELESS
         if behind and draft.terms >= terms:
             continue
-        if place >= FITTED and draft.label not in first:
+        if place >= FITTED and draft.label not in wanted:
             continue
         if slow and draft.model.switched:
             continue

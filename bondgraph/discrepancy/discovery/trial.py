@@ -248,7 +248,7 @@ def again(
         if not open_:
             found.append(dict(row.initial))
             continue
-        row = _in_phase(bench, trial, recording, row, parameters, open_)
+        row = _in_phase(bench, trial, recording, row, parameters, ties, open_)
         try:
             begun = fit(
                 trial.model,
@@ -272,6 +272,7 @@ def _in_phase(
     recording: Prepared,
     row: Measurement,
     parameters: Mapping[str, float],
+    ties: Mapping[str, Mapping[str, float]],
     sought: Sequence[str],
 ) -> Measurement:
     """Return a recording that begins in the phase of a periodic effect which runs nearest to it."""
@@ -279,7 +280,6 @@ def _in_phase(
         order = parameters.get(grafted.parameters.get("order", ""), 0.0)
         if not (item.effect.periodic and order > 0):
             continue
-        ties = ties_of(trial.grafts, trial.model, parameters)
         new = f"{grafted.name}.q"
         turned = [name for name in {new, *ties.get(new, {})} if name in sought]
         best = math.inf

@@ -122,6 +122,12 @@ class Relaxed:
             )
             yield course, *found
 
+    def said(self, course: Course) -> Array:
+        """Return the outputs along a course at the times of its record, (ns, ny)."""
+        at, grid = course.grid.samples, course.grid
+        p = self.table.vector(self.values)
+        return self.functions.at(grid.t[at], course.x[at], grid.before[at], p).outputs
+
     def weights(self, course: Course, error: float | None = None) -> Weights:
         """Return what the smoother trusts."""
         error = self.error if error is None else error

@@ -100,8 +100,7 @@ def _together(sketch: Sketch, items: Sequence[Hypothesis]) -> dict[str, Array]:
     error = min(item.error for item in items)
     nearest = min(sketch.reduced, key=lambda each: abs(each.error - error))
     gram, cross = nearest.gram[numpy.ix_(where, where)], nearest.gram[where, -1]
-    size = numpy.sqrt(numpy.where(numpy.diag(gram) > 0, numpy.diag(gram), numpy.inf))
-    scaled = gram / numpy.outer(size, size)
+    scaled, size = _scaled(gram)
     amounts = numpy.linalg.lstsq(scaled, cross / size, rcond=1e-10)[0] / size
     bounds = numpy.cumsum([0, *(len(group) for group in groups)])
     return {
@@ -142,8 +141,8 @@ def _steadiness(
     )
     found = products(sketch.relaxed, split, sketch.relaxed.error)
     gram, cross = found.gram[:-1, :-1], found.gram[:-1, -1]
-    size = numpy.sqrt(numpy.where(numpy.diag(gram) > 0, numpy.diag(gram), numpy.inf))
-    inverse = numpy.linalg.pinv(gram / numpy.outer(size, size), rcond=1e-10, hermitian=True)
+    scaled, size = _scaled(gram)
+    inverse = numpy.linalg.pinv(scaled, rcond=1e-10, hermitian=True)
     amounts = inverse @ (cross / size) / size
     left = max(float(found.gram[-1, -1] - cross @ amounts), 0.0)
     spread = (inverse / numpy.outer(size, size))[:parts, :parts]
@@ -156,6 +155,12 @@ def _steadiness(
     apart = numpy.eye(parts) - weights / weights.sum()
     std = numpy.sqrt(numpy.maximum(numpy.diag(apart @ spread @ apart.T), 0.0))
     return Steadiness(label, 1 + apart @ amounts[:parts], numpy.where(told, std, numpy.inf))
+
+
+def _scaled(gram: Array) -> tuple[Array, Array]:
+    """Return products of columns of length one, and the lengths; infinite where nothing is."""
+    size = numpy.sqrt(numpy.where(numpy.diag(gram) > 0, numpy.diag(gram), numpy.inf))
+    return gram / numpy.outer(size, size), size
 
 
 def _windows(course: Course, parts: int) -> Array:

@@ -46,14 +46,8 @@ def latent(folder: Path, label: str) -> Columns:
         None,
         model,
     )
-    p = found.table.vector(found.values)
-    parts = []
-    for course in found.courses:
-        at = course.grid.samples
-        said = found.functions.at(course.grid.t[at], course.x[at], course.grid.before[at], p)
-        parts.append((course.grid.t[at], said.outputs))
-    t = numpy.concatenate([times for times, _ in parts])
-    outputs = numpy.concatenate([values for _, values in parts])
+    t = numpy.concatenate([course.grid.t[course.grid.samples] for course in found.courses])
+    outputs = numpy.concatenate([found.said(course) for course in found.courses])
     return {
         name: numpy.interp(measurement.t, t, outputs[:, place])
         for place, name in enumerate(found.functions.outputs)
