@@ -1,4 +1,4 @@
-"""Which engines are installed; a missing one skips the test by name, or fails where required."""
+"""Which engines and browsers are installed; a missing one skips the test by name, or fails where required."""
 
 from __future__ import annotations
 
@@ -20,9 +20,16 @@ class Engine(NamedTuple):
     remedy: str
 
 
+# Under whichever of these names a system has its Chromium.
+BROWSERS = ("chromium", "chromium-browser", "google-chrome")
+
 ENGINES = {
     "ngspice": Engine(lambda: shutil.which("ngspice"), "apt-get install ngspice"),
     "mujoco": Engine(lambda: importlib.util.find_spec("mujoco"), "pip install mujoco"),
+    "playwright": Engine(lambda: importlib.util.find_spec("playwright"), "pip install playwright"),
+    "chromium": Engine(
+        lambda: next(filter(None, map(shutil.which, BROWSERS)), None), "apt-get install chromium"
+    ),
 }
 
 
