@@ -25,7 +25,7 @@ from .gaps import (
 )
 from .laws import friction_curve
 from .loci import growth_rates, root_locus
-from .maps import stability_map
+from .maps import growth_map, stability_map
 from .motion import application, overview, phase_plane, time_response
 from .periodograms import whiteness_plot, window_comparison
 from .style import PALETTE, Signal, new_axes, pretty, save, signal
@@ -42,6 +42,7 @@ __all__ = [
     "gap_course",
     "gap_shares",
     "gap_spectra",
+    "growth_map",
     "growth_rates",
     "learned_law",
     "new_axes",

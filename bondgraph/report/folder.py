@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import csv
 import itertools
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
+
+import numpy
 
 from ..errors import BondGraphError
 from .blocks import Panel, Section
@@ -83,9 +86,19 @@ def write_folder(
 
 def _write_csv(path: Path, panel: Panel) -> None:
     """Write the columns side by side; shorter ones end in empty cells."""
-    columns = panel.columns()
+    columns = {
+        name: column.tolist() if isinstance(column, numpy.ndarray) else list(column)
+        for name, column in panel.columns().items()
+    }
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
         writer.writerow(columns)
         for row in itertools.zip_longest(*columns.values()):
-            writer.writerow(["" if value is None else f"{float(value):.10g}" for value in row])
+            writer.writerow([_cell(value) for value in row])
+
+
+def _cell(value: object) -> str:
+    if value is None or isinstance(value, str):
+        return value or ""
+    number = float(value)  # type: ignore[arg-type]
+    return "" if math.isnan(number) else f"{number:.10g}"
