@@ -107,6 +107,16 @@ class LinearSystem:
         """
         return self._modes()[1]
 
+    def left_shapes(self) -> numpy.ndarray:
+        """Return the left eigenvectors w, ``w A = pole w``.
+
+        Returns
+        -------
+        (n, n) complex array
+            Row: state, column: pole as ordered by `poles`.
+        """
+        return self._modes()[2]
+
     def to_control(self) -> Any:
         """Return the same system as a ``control.StateSpace``.
 

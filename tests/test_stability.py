@@ -56,7 +56,7 @@ def test_hopf_speeds_of_the_brake(v_s, known):
     assert edge.value == pytest.approx(known, abs=6e-7)
     assert (edge.kind, edge.unstable_above, edge.boundary) == ("hopf", False, True)
     assert edge.frequency_hz == pytest.approx(200.460451, abs=1e-6)
-    assert edge.first_lyapunov is None
+    assert edge.first_lyapunov > 0 and edge.onset.kind == "hard"
 
 
 @pytest.mark.parametrize(
@@ -135,8 +135,8 @@ def test_json_is_the_contract():
     )
     assert np.array(data["A"]) == pytest.approx(result.system.A)
     (edge,) = data["edges"]
-    assert set(edge) == {"kind", "parameter", "value", "frequency_hz", "first_lyapunov"}
-    assert (edge["kind"], edge["parameter"], edge["first_lyapunov"]) == ("hopf", "V0", None)
+    assert set(edge) == {"kind", "parameter", "value", "frequency_hz", "first_lyapunov", "onset"}
+    assert (edge["kind"], edge["parameter"], edge["onset"]) == ("hopf", "V0", "hard")
 
 
 def test_an_eigenvalue_at_zero_has_no_damping_ratio():

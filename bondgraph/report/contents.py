@@ -165,10 +165,6 @@ def assumption_section(result: StabilityResult) -> Section:
         "the eigenvalues are those of the linearised equations: they tell of small motions about "
         "the operating point",
     ]
-    if result.loci:
-        said.append(
-            "whether an edge is crossed softly or hard (first Lyapunov coefficient) is not computed"
-        )
     return Section("Warnings and assumptions", (Bullets(tuple(dict.fromkeys(said))),))
 
 

@@ -10,21 +10,28 @@ from .edges import Edge
 from .locus import Gap, Locus, trace
 from .maps import EigenvalueMap, PointOutcome, eigenvalue_map
 from .modal import Mode, modal_table
+from .onset import Onset, onset
+from .sensitivity import Effect, Sensitivities, sensitivities
 from .vary import Vary
 from .verdict import verdict
 
 __all__ = [
     "Edge",
+    "Effect",
     "EigenvalueMap",
     "Gap",
     "Locus",
     "Mode",
+    "Onset",
     "PointOutcome",
+    "Sensitivities",
     "StabilityResult",
     "Vary",
     "assess",
     "eigenvalue_map",
     "modal_table",
+    "onset",
+    "sensitivities",
     "trace",
     "verdict",
 ]

@@ -13,6 +13,7 @@ from ..steady import SteadyState, steady_state
 from .edges import Edge
 from .locus import Locus, trace
 from .modal import Mode, modal_table
+from .sensitivity import Sensitivities, sensitivities
 from .vary import Vary, as_vary
 from .verdict import critical, is_stable, verdict
 
@@ -31,6 +32,8 @@ class StabilityResult:
     system : LinearSystem
     rows : tuple of Mode
         The modal table: one an eigenvalue, in the order of ``system.poles()``.
+    sensitivities : Sensitivities
+        How each eigenvalue moves with each parameter.
     loci : tuple of Locus
     verdict : str
         Plain language, a sentence a line.
@@ -41,6 +44,7 @@ class StabilityResult:
     overrides: dict[str, Any]
     system: LinearSystem
     rows: tuple[Mode, ...]
+    sensitivities: Sensitivities
     loci: tuple[Locus, ...]
     verdict: str
     warnings: tuple[str, ...]
@@ -94,6 +98,7 @@ class StabilityResult:
             "carriers": [dict(mode.carriers) for mode in self.rows],
             "energies": [dict(mode.energies) for mode in self.rows],
             "feeds": [dict(mode.feeds) for mode in self.rows],
+            "sensitivities": self.sensitivities.to_json(),
             "verdict": self.verdict,
             "warnings": list(self.warnings),
         }
@@ -144,14 +149,17 @@ def assess(
     """
     ranges = [as_vary(item) for item in vary]
     point = steady_state(graph, parameters, inputs, modes, guess)
-    system = linearize_at(Smooth(point.equations, graph, held=point.parameters), point)
+    smooth = Smooth(point.equations, graph, held=point.parameters)
+    system = linearize_at(smooth, point)
+    overrides = {getattr(key, "name", key): value for key, value in (parameters or {}).items()}
     table = modal_table(system)
     loci = tuple(trace(graph, point, item, parameters) for item in ranges)
     return StabilityResult(
         graph,
-        {getattr(key, "name", key): value for key, value in (parameters or {}).items()},
+        overrides,
         system,
         table,
+        sensitivities(system, smooth, overrides),
         loci,
         verdict(system, table, loci),
         _warnings(point, loci),
@@ -202,4 +210,5 @@ def _edge(edge: Edge) -> dict[str, Any]:
         "value": edge.value,
         "frequency_hz": edge.frequency_hz,
         "first_lyapunov": edge.first_lyapunov,
+        "onset": None if edge.onset is None else edge.onset.kind,
     }

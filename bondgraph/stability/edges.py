@@ -14,6 +14,7 @@ from ..linear import linearize_at
 from ..steady import SteadyState
 from .branch import Branch
 from .modal import Mode, growths, modal_table
+from .onset import Onset, onset
 
 FOLD_ITERATIONS = 50
 BISECTIONS = 12
@@ -44,9 +45,9 @@ class Edge:
         The crossing mode: its carriers, and feeds that balance here.
     point : SteadyState
         The operating point at the edge.
-    first_lyapunov : None
-        The coefficient that tells a soft onset from a hard one is not computed
-        yet, so it is always None.
+    onset : Onset or None
+        At a Hopf point: whether the vibration starts softly or hard; None where
+        that cannot be told.
     """
 
     kind: str
@@ -58,7 +59,12 @@ class Edge:
     unstable_above: bool | None
     mode: Mode = field(repr=False)
     point: SteadyState = field(repr=False)
-    first_lyapunov: None = None
+    onset: Onset | None = field(default=None, repr=False)
+
+    @property
+    def first_lyapunov(self) -> float | None:
+        """First Lyapunov coefficient: negative soft, positive hard, zero undecided."""
+        return None if self.onset is None else self.onset.first_lyapunov
 
 
 def find_edges(
@@ -204,6 +210,7 @@ def _edge(
 ) -> Edge:
     """Describe a crossing at a solved point."""
     point = branch.point_at(value, x)
+    omega = abs(crossing.imag)
     modes = modal_table(linearize_at(branch.smooth, point))
     target = complex(crossing.real, abs(crossing.imag))
     mode = min(modes, key=lambda item: abs(item.eigenvalue - target))
@@ -219,6 +226,7 @@ def _edge(
         unstable_above,
         mode,
         point,
+        onset(branch.smooth, point, omega, branch.name) if omega else None,
     )
 
 
