@@ -20,6 +20,12 @@ if TYPE_CHECKING:
 
 # What a report follows the eigenvalues over unless it is told otherwise: NAME, LO, HI, N in SI.
 VARY = (("V0", 0.25, 1.5, 200),)
+# And the pairs that it maps, with a unit where the ends are not in SI.
+MAPS = (
+    (("V0", 0.25, 1.5, 60), ("v_s", 0.02, 0.4, 60)),
+    (("mu_s", 0.3, 0.8, 60), ("mu_k", 0.2, 0.7, 60)),
+    (("k_f", 100.0, 800.0, 60, "N/mm"), ("zeta_f", 0.005, 0.15, 60)),
+)
 
 
 def graph() -> BondGraph:

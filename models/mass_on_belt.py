@@ -13,6 +13,14 @@ m, k, v_s, N = sympy.symbols("m k v_s N", positive=True)
 c, mu_s, mu_k = sympy.symbols("c mu_s mu_k", nonnegative=True)
 v_b = sympy.Symbol("v_b", real=True)
 
+# What a report follows the eigenvalues over unless it is told otherwise, and the pairs that it
+# maps: NAME, LO, HI, N in SI.
+VARY = (("v_b", 0.02, 0.8, 200),)
+MAPS = (
+    (("v_b", 0.02, 0.8, 60), ("c", 0.0, 4.0, 60)),
+    (("v_b", 0.02, 0.8, 60), ("v_s", 0.03, 0.4, 60)),
+)
+
 
 def graph() -> BondGraph:
     """Build the bond graph of a mass on a belt.

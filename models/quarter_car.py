@@ -12,6 +12,11 @@ m_s, m_u, k_s, k_t = sympy.symbols("m_s m_u k_s k_t", positive=True)
 b_s, g = sympy.symbols("b_s g", nonnegative=True)
 v_road = sympy.Symbol("v_road", real=True)
 
+# What a report follows the eigenvalues over unless it is told otherwise, and the pairs that it
+# maps: NAME, LO, HI, N in SI.
+VARY = (("b_s", 100.0, 6000.0, 200),)
+MAPS = ((("b_s", 100.0, 6000.0, 60), ("k_s", 5e3, 60e3, 60)),)
+
 
 def graph() -> BondGraph:
     """Build the bond graph of a quarter car.

@@ -9,6 +9,7 @@ References
 Okabe, Ito, Color universal design, 2008 (the palette).
 """
 
+from .bars import feed_bars, sensitivity_bars, share_bars
 from .courses import (
     course_plot,
     gap_course,
@@ -25,7 +26,7 @@ from .gaps import (
 )
 from .laws import friction_curve
 from .loci import growth_rates, root_locus
-from .maps import growth_map, stability_map
+from .maps import damping_map, least_damping, stability_map
 from .motion import application, overview, phase_plane, time_response
 from .periodograms import whiteness_plot, window_comparison
 from .style import PALETTE, Signal, new_axes, pretty, save, signal
@@ -37,14 +38,16 @@ __all__ = [
     "application",
     "coherence_plot",
     "course_plot",
+    "damping_map",
+    "feed_bars",
     "frequency_gaps",
     "friction_curve",
     "gap_course",
     "gap_shares",
     "gap_spectra",
-    "growth_map",
     "growth_rates",
     "learned_law",
+    "least_damping",
     "new_axes",
     "overview",
     "phase_plane",
@@ -52,6 +55,8 @@ __all__ = [
     "region_gaps",
     "root_locus",
     "save",
+    "sensitivity_bars",
+    "share_bars",
     "signal",
     "signal_gaps",
     "stability_map",

@@ -21,6 +21,10 @@ GAP, HATCH = "#c3c7cd", "#2b2f3670"
 # so that a few fast modes do not bleach all others.
 DECAY, GROWTH, MIDDLE = "#0072B2", "#D55E00", "#f7f7f5"
 EDGE = "#1c2026"
+# As in the modal table: smaller real parts beside the fastest eigenvalue are rounding.
+NEUTRAL = 1e-13
+# Frequencies whose spread is less than this share of them are alike.
+ALIKE = 0.01
 
 
 def stability_map(
@@ -59,22 +63,25 @@ def stability_map(
     ('V0 [m/s]', 'v_s [m/s]')
     """
     ax, scales = _plane(found, ax)
-    growth = _grid(found, found.growth)
-    _coloured(
-        ax, scales, _grid(found, found.frequency_hz), "frequency of the leading mode [Hz]", "viridis"
-    )
-    if (growth[numpy.isfinite(growth)] >= 0).any():
-        top = float(numpy.nanmax(growth)) + 1
-        hatched = ax.contourf(*scales, growth, levels=[0, top], colors="none", hatches=["////"])
+    ratio = _grid(found, least_damping(found))
+    frequency = _grid(found, found.frequency_hz)
+    label = "frequency of the leading mode [Hz]"
+    _coloured(ax, scales, frequency, label, "viridis", _span(frequency))
+    growing = bool((ratio[numpy.isfinite(ratio)] <= 0).any())
+    if growing:
+        hatched = ax.contourf(*scales, ratio, levels=[-2, 0], colors="none", hatches=["////"])
         hatched.set(edgecolor=HATCH, linewidth=0.0)
-    _finish(ax, found, scales, at, hatched=True)
+    _finish(ax, found, scales, at, hatched=growing)
     return ax
 
 
-def growth_map(
+def damping_map(
     found: EigenvalueMap, *, at: Mapping[str, float] | None = None, ax: Axes | None = None
 ) -> Axes:
-    """Plot how fast the least stable mode grows or decays, over two axes of a map.
+    """Plot the least damping ratio of all modes, over two axes of a map.
+
+    It is what decides in a verdict: positive where all modes decay, 1 where none of them swings,
+    zero on the edge of stability, and -1 where a mode runs away without swinging.
 
     Parameters
     ----------
@@ -98,25 +105,57 @@ def growth_map(
     >>> from bondgraph.models import mass_on_belt
     >>> from bondgraph.stability import eigenvalue_map
     >>> axes = {"v_b": numpy.linspace(0.1, 0.5, 5), "v_s": numpy.linspace(0.05, 0.2, 5)}
-    >>> ax = growth_map(eigenvalue_map(mass_on_belt.graph(), axes, product=True))
+    >>> ax = damping_map(eigenvalue_map(mass_on_belt.graph(), axes, product=True))
     >>> ax.figure.axes[1].get_ylabel()
-    'growth rate [1/s]'
+    'least damping ratio [%]'
     """
     from matplotlib.colors import LinearSegmentedColormap, TwoSlopeNorm
 
     ax, scales = _plane(found, ax)
-    growth = _grid(found, found.growth)
-    known = growth[numpy.isfinite(growth)]
+    ratio = 100 * _grid(found, least_damping(found))
+    known = ratio[numpy.isfinite(ratio)]
     low, high = (
         float(f"{numpy.median(side):.2g}") if side.size else 0.0
         for side in (-known[known < 0], known[known > 0])
     )
     # without points on a side its colours are still there, and the middle is zero
     low, high = low or high or 1.0, high or low or 1.0
-    colours = LinearSegmentedColormap.from_list("growth", [DECAY, MIDDLE, GROWTH])
-    _coloured(ax, scales, growth, "growth rate [1/s]", colours, TwoSlopeNorm(0.0, -low, high))
+    colours = LinearSegmentedColormap.from_list("damping", [GROWTH, MIDDLE, DECAY])
+    _coloured(ax, scales, ratio, "least damping ratio [%]", colours, TwoSlopeNorm(0.0, -low, high))
     _finish(ax, found, scales, at)
     return ax
+
+
+def least_damping(found: EigenvalueMap) -> numpy.ndarray:
+    """Return the least damping ratio of all modes at each point, shape (np,).
+
+    Parameters
+    ----------
+    found : EigenvalueMap
+
+    Returns
+    -------
+    (np,) array
+        nan where there is no result; zero where an eigenvalue is.
+
+    Examples
+    --------
+    >>> from bondgraph.models import quarter_car
+    >>> from bondgraph.stability import eigenvalue_map
+    >>> found = eigenvalue_map(quarter_car.graph(), {"b_s": numpy.array([1200.0])})
+    >>> least_damping(found).round(3).tolist()
+    [0.21]
+    """
+    poles, ok = found.eigenvalues, found.ok
+    least = numpy.full(len(found), numpy.nan)
+    if poles.shape[1]:
+        size = numpy.abs(poles)
+        ratios = numpy.where(size > 0, -poles.real / numpy.where(size > 0, size, 1.0), 0.0)
+        # what is nothing but rounding beside the fastest mode neither grows nor decays
+        scale = numpy.nanmax(numpy.where(ok[:, None], size, 0.0), axis=1, keepdims=True)
+        ratios = numpy.where(numpy.abs(poles.real) <= NEUTRAL * scale, 0.0, ratios)
+        least[ok] = numpy.nanmin(ratios[ok], axis=1)
+    return least
 
 
 def _plane(found: EigenvalueMap, ax: Axes | None) -> tuple[Axes, list[numpy.ndarray]]:
@@ -136,6 +175,18 @@ def _grid(found: EigenvalueMap, values: numpy.ndarray) -> numpy.ndarray:
     return found.on_grid(values).T
 
 
+def _span(values: numpy.ndarray) -> Any:
+    """Return the scale of frequencies; what hardly differs gets one colour, not a rainbow."""
+    from matplotlib.colors import Normalize
+
+    known = values[numpy.isfinite(values)]
+    if not known.size:
+        return None
+    low, high = float(known.min()), float(known.max())
+    least = ALIKE * abs(high) - (high - low)
+    return Normalize(low - max(least, 0) / 2, high + max(least, 0) / 2)
+
+
 def _coloured(
     ax: Axes,
     scales: list[numpy.ndarray],
@@ -147,12 +198,16 @@ def _coloured(
     """Colour cells by their values, with a bar beside the axes, where there are values."""
     if not numpy.isfinite(values).any():
         return
+    from matplotlib.colors import TwoSlopeNorm
+
     field = _cells(ax, scales, values, colours, norm)
-    bar = ax.figure.colorbar(field, ax=ax, pad=0.02, extend="both" if norm is not None else None)
+    two = isinstance(norm, TwoSlopeNorm)
+    bar = ax.figure.colorbar(field, ax=ax, pad=0.02, extend="both" if two else "neither")
     bar.set_label(label, color=INK)
     bar.ax.tick_params(colors=INK, labelsize=9, length=3)
     bar.outline.set_visible(False)
-    if norm is not None:  # each side of zero has a scale of its own
+    bar.formatter.set_useOffset(False)
+    if two:  # each side of zero has a scale of its own
         ends = (norm.vmin, norm.vmin / 2, 0.0, norm.vmax / 2, norm.vmax)
         bar.set_ticks(ends, labels=[_short(end) for end in ends])
         bar.minorticks_off()
@@ -181,13 +236,13 @@ def _finish(
     """Draw what both kinds of maps have: gaps, boundary, operating point, labels, key."""
     from matplotlib.colors import ListedColormap
 
-    growth = _grid(found, found.growth)
-    known = numpy.isfinite(growth)
+    ratio = _grid(found, least_damping(found))
+    known = numpy.isfinite(ratio)
     if not known.all():
         _cells(ax, scales, numpy.where(known, numpy.nan, 1.0), ListedColormap([GAP]))
-    line = bool((growth[known] > 0).any() and (growth[known] < 0).any())
+    line = bool((ratio[known] > 0).any() and (ratio[known] < 0).any())
     if line:
-        ax.contour(*scales, growth, levels=[0.0], colors=[EDGE], linewidths=[2.0])
+        ax.contour(*scales, ratio, levels=[0.0], colors=[EDGE], linewidths=[2.0])
     for set_label, (name, unit) in zip(
         (ax.set_xlabel, ax.set_ylabel), found.units.items(), strict=True
     ):

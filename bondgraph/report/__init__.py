@@ -5,6 +5,17 @@
 """
 
 from .blocks import Bullets, Figure, Panel, Section, Table, Text
+from .maps import plane, stability_maps
 from .write import write_report
 
-__all__ = ["Bullets", "Figure", "Panel", "Section", "Table", "Text", "write_report"]
+__all__ = [
+    "Bullets",
+    "Figure",
+    "Panel",
+    "Section",
+    "Table",
+    "Text",
+    "plane",
+    "stability_maps",
+    "write_report",
+]

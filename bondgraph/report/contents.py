@@ -13,7 +13,7 @@ from ..dimensions import infer
 from ..equations import Equations, derive
 from ..graph import BondGraph
 from ..plot import pretty
-from ..stability import Locus, StabilityResult
+from ..stability import EigenvalueMap, Locus, StabilityResult
 from ..text import to_text
 from ..units import from_si
 from .blocks import Bullets, Figure, Markup, Section, Table, Text
@@ -66,6 +66,14 @@ def parameter_section(result: StabilityResult) -> Section:
     blocks: list[object] = [Table(head, tuple(rows), "crlrll", labelled=True)]
     if not rows:
         blocks = [Text("The laws hold numbers: there are no parameters.")]
+    else:
+        blocks.append(
+            Text(
+                "Values that this page rests on, in the unit they were given in and in SI. Derived "
+                "values follow the parameters in their formula.",
+                "note",
+            )
+        )
     if idle:
         blocks.append(Text(f"In the table but not in these equations: {', '.join(idle)}.", "note"))
     return Section("Parameters", tuple(blocks))
@@ -114,12 +122,20 @@ def point_section(result: StabilityResult) -> Section:
         for name, value in table.items()
     )
     blocks: list[object] = [
-        Text("The point where all rates are zero, found by solving."),
+        Text(
+            "The steady state that the verdict is about: all rates are zero there. It was found by "
+            "solving."
+        ),
         Table(("", "name", "value", "unit", "meaning"), rows, "lcrll"),
+        Text(
+            "States are what the model remembers: q of a spring, capacitor or tank, p of a mass or "
+            "coil, by element. Outputs follow from them.",
+            "note",
+        ),
     ]
     if point.modes:
         held = ", ".join(f"{name}: {mode}" for name, mode in point.modes.items())
-        blocks.append(Text(f"Contacts at this point: {held}."))
+        blocks.append(Text(f"Contacts at this point: {held} (slip+ slides forwards, stick holds)."))
     return Section("Operating point", tuple(blocks))
 
 
@@ -168,7 +184,9 @@ def assumption_section(result: StabilityResult) -> Section:
     return Section("Warnings and assumptions", (Bullets(tuple(dict.fromkeys(said))),))
 
 
-def solver_section(result: StabilityResult, figures: Iterable[Figure]) -> Section:
+def solver_section(
+    result: StabilityResult, figures: Iterable[Figure], maps: Iterable[EigenvalueMap] = ()
+) -> Section:
     """List how each computation ended."""
     found = "isolated" if result.point.isolated else "one of many: a state is free"
     rows = [("steady state", "found", found)]
@@ -177,10 +195,20 @@ def solver_section(result: StabilityResult, figures: Iterable[Figure]) -> Sectio
         rows.append(
             (f"locus over {locus.name}", f"{good} of {len(locus.values)} points", _reasons(locus))
         )
+    for item in maps:
+        told = "; ".join(f"{label}: {count}" for label, count in item.counts().items())
+        good = f"{int(item.ok.sum())} of {len(item)} points"
+        rows.append((f"map of {' and '.join(item.axes)}", good, told))
     for figure in figures:
         if figure.run is not None:
             rows.append((f"run of {figure.title}", figure.run.outcome.value, _run(figure)))
-    return Section("Solver outcomes", (Table(("computation", "outcome", "details"), tuple(rows)),))
+    reading = Text(
+        "What was computed for this page and how it ended. The energy residual of a run is what its "
+        "energy balance fails to close by, over all energy supplied.",
+        "note",
+    )
+    head = ("computation", "outcome", "details")
+    return Section("Solver outcomes", (Table(head, tuple(rows)), reading))
 
 
 def _reasons(locus: Locus) -> str:

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 
 import numpy
 
 from ..errors import ParameterError
-from ..plot import growth_map, pretty, stability_map
+from ..plot import damping_map, least_damping, pretty, stability_map
 from ..stability import EigenvalueMap, PointOutcome, StabilityResult, Vary, eigenvalue_map
 from ..units import from_si
 from .blocks import Bullets, Figure, Panel, Section, Text
@@ -68,16 +67,17 @@ def stability_maps(
 
 
 def map_section(result: StabilityResult, maps: Sequence[EigenvalueMap]) -> Section | None:
-    """Show each map twice: how fast the least stable mode grows, and its frequency."""
+    """Show each map twice: by the least damping ratio, and by the leading frequency."""
     if not maps:
         return None
     blocks: list[object] = [
         Text(
             "Two parameters vary at a time, all others stay as in the table of parameters. Each "
-            "point of a map has a steady state and eigenvalues of its own. Blue: small motions "
-            "die away; orange: they grow. The black line is the edge between them, the cross is "
-            "the operating point. In the second plot the unstable part is hatched and colour is "
-            "the frequency of the oscillation that is nearest to growing, or grows fastest."
+            "point of a map has a steady state and modes of its own. First plot: the damping ratio "
+            "of its least damped mode. Blue: small motions die away; orange: they grow. "
+            "The black line is the edge between them, the cross is the operating point. Second "
+            "plot: the frequency of the oscillation with the largest growth rate; the unstable "
+            "part is hatched."
         )
     ]
     for found in maps:
@@ -110,9 +110,9 @@ def _figure(result: StabilityResult, found: EigenvalueMap) -> Figure:
         f"{title}.",
         (
             Panel(
-                f"map-{name}-growth",
-                growth_map(found, at=marked),
-                f"Growth rate of the least stable mode, {title}; {stable} of {solved} points stable",
+                f"map-{name}-damping",
+                damping_map(found, at=marked),
+                f"Least damping ratio, {title}; {stable} of {solved} points stable",
                 numbers,
             ),
             Panel(
@@ -136,7 +136,8 @@ def _numbers(found: EigenvalueMap) -> dict[str, numpy.ndarray]:
         "growth rate [1/s]": found.growth,
         "frequency [Hz]": found.frequency_hz,
         "damping ratio [1]": found.damping_ratio,
-        "outcome []": numpy.array([labels[int(code)] for code in found.outcomes]),
+        "least damping ratio [1]": least_damping(found),
+        "outcome": numpy.array([labels[int(code)] for code in found.outcomes]),
     }
 
 

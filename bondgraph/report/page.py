@@ -34,6 +34,8 @@ class Heading:
         Sentences.
     good : bool
         Whether the verdict needs no attention; decides the colour.
+    lede : str
+        What the page is about, in a sentence below the title.
     """
 
     title: str
@@ -41,6 +43,7 @@ class Heading:
     headline: str
     verdict: Sequence[str]
     good: bool
+    lede: str = ""
 
 
 def render(heading: Heading, sections: Sequence[Section], drawings: Mapping[str, str]) -> str:
@@ -62,6 +65,7 @@ def render(heading: Heading, sections: Sequence[Section], drawings: Mapping[str,
     return page.substitute(
         title=escape(heading.title),
         kind=escape(heading.kind),
+        lede=f'<p class="lede">{escape(heading.lede)}</p>' if heading.lede else "",
         style=(home / "page.css").read_text(encoding="utf-8"),
         state="good" if heading.good else "bad",
         headline=escape(heading.headline),

@@ -39,10 +39,12 @@ def eigenvalue_section(result: StabilityResult) -> Section:
         (
             Table(head, rows, "rrrlrll"),
             Text(
-                "Time constant: in which the amplitude changes by a factor e. Dominated by: "
+                "A row for each mode: a pattern of motion with a growth rate (real part of the "
+                "eigenvalue; negative decays) and a frequency (imaginary part). Damping ratio: 0 "
+                "rings for ever, 1 no longer swings, negative grows. Time constant: in which "
+                "the amplitude changes by a factor of 2.7. Dominated by: "
                 "participation factors, summed over the states of each element. Fed and drained: "
-                "what each dissipator or source adds to the growth rate, its power in the mode "
-                "over twice the mode's energy; the sum is the real part.",
+                "what each dissipator or source adds to the growth rate.",
                 "note",
             ),
             Text("State matrix: the rate of each row's state for a change of each column's state."),
@@ -92,10 +94,19 @@ def locus_section(loci: Sequence[Locus]) -> Section | None:
     for locus in loci:
         blocks.append(_locus_figure(locus))
         if locus.crossings:
-            blocks.append(_crossings(locus))
+            blocks += [_crossings(locus), Text(_CROSSING, "note")]
         else:
             blocks.append(Text(f"No mode changes its stability along {locus.name}."))
     return Section("How far the edge is", tuple(blocks))
+
+
+_CROSSING = (
+    "Each row is a value at which a mode stops decaying. Hopf: it begins to swing. Fold: it drifts "
+    "away without swinging, or the steady state ends there. Soft: behind the edge the vibration "
+    "starts small and grows with the distance. Hard: it jumps to a large one at once, and a push "
+    "can set it off before the edge is reached."
+)
+_ONSET = {"soft": "soft", "hard": "hard", "degenerate": "undecided"}
 
 
 def _locus_figure(locus: Locus) -> Figure:
@@ -134,8 +145,17 @@ def _locus_numbers(locus: Locus) -> dict[str, numpy.ndarray]:
 
 def _crossings(locus: Locus) -> Table:
     rows = tuple(_crossing(edge, locus) for edge in locus.crossings)
-    head = (locus.name, "unit", "kind", "frequency [Hz]", "growing side", "meaning", "dominated by")
-    return Table(head, rows, "rllrlll")
+    head = (
+        locus.name,
+        "unit",
+        "kind",
+        "frequency [Hz]",
+        "grows",
+        "onset",
+        "meaning",
+        "dominated by",
+    )
+    return Table(head, rows, "rllrllll")
 
 
 def _crossing(edge: Edge, locus: Locus) -> tuple[str, ...]:
@@ -146,6 +166,7 @@ def _crossing(edge: Edge, locus: Locus) -> tuple[str, ...]:
         "Hopf" if edge.kind == "hopf" else "fold",
         number(edge.frequency_hz, 8),
         side,
+        "" if edge.onset is None else _ONSET.get(edge.onset.kind, edge.onset.kind),
         "edge of stability" if edge.boundary else "a further mode",
         _shares(edge.mode),
     )

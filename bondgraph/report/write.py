@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from ..equations import derive
-from ..stability import StabilityResult
+from ..stability import EigenvalueMap, StabilityResult
+from ..stability.verdict import nearest
 from . import contents, spectrum
 from .blocks import Section
 from .causality import causality_section
+from .changing import changing_section
+from .deciding import deciding_section
 from .folder import drawn, write_folder
+from .maps import map_section
 from .page import Heading, render
 
 
@@ -20,6 +24,7 @@ def write_report(
     folder: str | Path,
     sections: Iterable[Section] = (),
     description: str = "",
+    maps: Sequence[EigenvalueMap] = (),
 ) -> Path:
     """Write a report: ``index.html``, ``stability.json``, and ``plots/`` with SVG and CSV.
 
@@ -31,9 +36,11 @@ def write_report(
     folder : str or Path
         Made where it does not exist.
     sections : iterable of Section
-        The model's own, shown after the eigenvalues.
+        The model's own, shown after the plots of eigenvalues.
     description : str
-        What the model is, in paragraphs.
+        What the model is, in paragraphs; the first stands below the title.
+    maps : sequence of EigenvalueMap
+        Products of two axes, as `bondgraph.report.plane` makes them.
 
     Returns
     -------
@@ -55,15 +62,9 @@ def write_report(
     ...     sorted(path.name for path in page.parent.iterdir())
     ['index.html', 'plots', 'stability.json']
     """
-    chapters = _chapters(result, list(sections), description)
+    heading, rest = _heading(result, description)
+    chapters = _chapters(result, list(sections), description, maps, rest)
     drawings = drawn(chapters)
-    heading = Heading(
-        result.model,
-        "Stability report",
-        "Stable" if result.stable else _unstable(result),
-        result.verdict.splitlines(),
-        result.stable,
-    )
     texts = {
         "stability.json": json.dumps(result.to_json(), indent=1, allow_nan=False) + "\n",
         "index.html": render(heading, chapters, drawings),
@@ -71,26 +72,60 @@ def write_report(
     return write_folder(folder, chapters, drawings, texts) / "index.html"
 
 
+def _heading(result: StabilityResult, description: str) -> tuple[Heading, list[str]]:
+    """Return what stands on top, and the sentences of the verdict that do not fit there."""
+    sentences = result.verdict.splitlines()
+    shown = [*sentences[:1], *_second(result, sentences[1:])]
+    rest = [sentence for sentence in sentences if sentence not in shown]
+    lede = description.strip().partition("\n\n")[0]
+    headline = "Stable" if result.stable else _unstable(result)
+    title, kind = result.model, "Stability report"
+    heading = Heading(title, kind, headline, shown, result.stable, " ".join(lede.split()))
+    return heading, rest
+
+
+def _second(result: StabilityResult, sentences: list[str]) -> list[str]:
+    """Choose the sentence that follows the first: how far the nearest edge is, or what feeds."""
+    loci = [locus for locus in result.loci if locus.edges]
+    if loci:
+        near = min(loci, key=lambda locus: _relative(nearest(locus).value, locus.at))
+        return [item for item in sentences if item.startswith(f"Along {near.name} ")][:1]
+    return sentences[:1]
+
+
+def _relative(value: float, at: float) -> float:
+    return abs(value - at) / (abs(at) or abs(value) or 1.0)
+
+
 def _unstable(result: StabilityResult) -> str:
     worst = max((mode.growth for mode in result.rows), default=0)
     return "Unstable" if worst > 0 else "Neither stable nor unstable"
 
 
-def _chapters(result: StabilityResult, own: list[Section], description: str) -> list[Section]:
-    """Gather all sections in order."""
+def _chapters(
+    result: StabilityResult,
+    own: list[Section],
+    description: str,
+    maps: Sequence[EigenvalueMap],
+    rest: list[str],
+) -> list[Section]:
+    """Gather all sections in order: what a reader wants to know first stands first."""
     equations = derive(result.graph)
     figures = [figure for section in own for figure in section.figures]
     chapters: list[Section | None] = [
-        contents.model_section(result, equations.causal, description),
-        contents.parameter_section(result),
-        contents.point_section(result),
+        deciding_section(result, rest),
+        changing_section(result),
         spectrum.eigenvalue_section(result),
+        contents.point_section(result),
+        contents.parameter_section(result),
         spectrum.locus_section(result.loci),
+        map_section(result, maps),
         *own,
         None if own else spectrum.friction_section(result),
+        contents.model_section(result, equations.causal, description),
         contents.equation_section(equations),
         causality_section(equations),
         contents.assumption_section(result),
-        contents.solver_section(result, figures),
+        contents.solver_section(result, figures, maps),
     ]
     return [chapter for chapter in chapters if chapter is not None]
