@@ -15,6 +15,7 @@ from ..resolver import Resolver
 from ..smooth import Smooth
 from ..steady import SteadyState, solve_rates
 from ..values import initial_values, parameter_values
+from .derivatives import Forms
 
 
 class Branch:
@@ -54,6 +55,7 @@ class Branch:
         self.is_input = name not in table
         self.unit = _input_unit(graph, name) if self.is_input else table[name].unit
         self.smooth = Smooth(equations, graph, held={*self.overrides, name})
+        self.forms = Forms(self.smooth)
         self.resolver = Resolver(graph.parameters)
         self._u = numpy.array(list(point.inputs.values()))
         self._p = self.smooth.vector(point.parameters)

@@ -226,7 +226,7 @@ def _edge(
         unstable_above,
         mode,
         point,
-        onset(branch.smooth, point, omega, branch.name) if omega else None,
+        onset(branch.forms, point, omega, branch.name) if omega else None,
     )
 
 
