@@ -173,13 +173,19 @@ def diode():
     )
 
 
-def test_a_fold_is_found_where_the_branch_ends():
+def test_both_folds_of_a_branch_are_found():
     result = assess(diode(), vary=[("i_0", -3, 4, 30)])
-    (edge,) = result.edges
-    assert edge.kind == "fold" and edge.unstable_above is None and edge.frequency_hz == 0
-    assert edge.value == pytest.approx(2, rel=1e-10)
-    assert edge.point.states["c.q"] == pytest.approx(-1, rel=1e-6)
+    for edge, at, charge in zip(result.edges, (-2, 2), (1, -1), strict=True):
+        assert edge.kind == "fold" and edge.unstable_above is None and edge.frequency_hz == 0
+        assert edge.value == pytest.approx(at, rel=1e-10)
+        assert edge.point.states["c.q"] == pytest.approx(charge, rel=1e-6)
     locus = result.loci[0]
+    # of the two the branch meets that at 2 first, although -2 is nearer to -3
+    assert locus.nearest is result.edges[1]
+    turns = np.diff(np.sign(np.diff(locus.path.values))) != 0
+    assert turns.sum() == 2 and locus.path.ends == ("limit", "limit")
+    law = locus.path.states[:, 0] ** 3 - 3 * locus.path.states[:, 0]
+    assert law == pytest.approx(locus.path.values, abs=1e-9)
     assert locus.gaps and "no steady state" in locus.gaps[0].reason
     assert np.isfinite(locus.eigenvalues[-1]).all()  # the search goes on behind the gap
 
@@ -252,7 +258,7 @@ def test_inputs_can_be_varied():
     node = Zero("node")
     law = R("diode", flow=lambda v: v**3 - 3 * v)
     graph = assemble("diode", Sf("source", u) >> node >> (C("c", 1), law), inputs={u: "A"})
-    (edge,) = assess(graph, inputs={"u": -3.0}, vary=[("u", -3, 4, 30)]).edges
+    edge = assess(graph, inputs={"u": -3.0}, vary=[("u", -3, 4, 30)]).edges[-1]
     assert edge.parameter == "u" and edge.value == pytest.approx(2, rel=1e-10)
 
 

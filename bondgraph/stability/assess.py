@@ -10,6 +10,7 @@ from ..graph import BondGraph
 from ..linear import LinearSystem, linearize_at
 from ..smooth import Smooth
 from ..steady import SteadyState, steady_state
+from .derivatives import Forms
 from .edges import Edge
 from .locus import Locus, trace
 from .modal import Mode, modal_table
@@ -159,7 +160,7 @@ def assess(
         overrides,
         system,
         table,
-        sensitivities(system, smooth, overrides),
+        sensitivities(system, Forms(smooth), overrides),
         loci,
         verdict(system, table, loci),
         _warnings(point, loci),

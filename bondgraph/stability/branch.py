@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from dataclasses import replace
+from collections.abc import Mapping
 from typing import Any
 
 import numpy
 
 from ..errors import SteadyStateError
 from ..graph import BondGraph
-from ..parameters import unknown_name
-from ..resolver import Resolver
-from ..smooth import Smooth
 from ..steady import SteadyState, solve_rates
-from ..values import initial_values, parameter_values
+from ..values import initial_values
+from .family import Family
 
 
 class Branch:
@@ -43,27 +40,15 @@ class Branch:
         name: str,
         overrides: Mapping[Any, Any] | None = None,
     ) -> None:
-        equations = point.equations
-        table = {symbol.name: row for symbol, row in graph.parameters.items()}
-        if name not in table and name not in point.inputs:
-            raise unknown_name("parameter", name, [*table, *point.inputs])
-        self.graph, self.point, self.name = graph, point, name
-        self.overrides = {
-            getattr(key, "name", key): value for key, value in (overrides or {}).items()
-        }
-        self.is_input = name not in table
-        self.unit = _input_unit(graph, name) if self.is_input else table[name].unit
-        self.smooth = Smooth(equations, graph, held={*self.overrides, name})
-        self.resolver = Resolver(graph.parameters)
-        self._u = numpy.array(list(point.inputs.values()))
-        self._p = self.smooth.vector(point.parameters)
-        order: Iterable[str] = point.inputs if self.is_input else self.smooth.names
-        self.index = list(order).index(name)
+        self.family = Family(graph, point, [name], overrides)
+        self.point, self.name = point, name
+        self.smooth = self.family.smooth
+        self.unit = self.family.units[0]
 
     @property
     def at(self) -> float:
         """The parameter's value at the start, SI."""
-        return float((self._u if self.is_input else self._p)[self.index])
+        return float(self.family.at[0])
 
     @property
     def start(self) -> numpy.ndarray:
@@ -72,9 +57,7 @@ class Branch:
 
     def arguments(self, value: float) -> tuple[numpy.ndarray, numpy.ndarray]:
         """Return inputs and parameter vector with the changed value in place."""
-        u, p = self._u.copy(), self._p.copy()
-        (u if self.is_input else p)[self.index] = value
-        return u, p
+        return self.family.arguments([value])
 
     def solve(self, value: float, guess: numpy.ndarray) -> numpy.ndarray:
         """Return the steady state at a value of the parameter.
@@ -86,35 +69,20 @@ class Branch:
         """
         u, p = self.arguments(value)
         x, _ = solve_rates(self.smooth, guess, u, p)
-        for name, found in self.smooth.contact_values(x, u, p).items():
-            better = found.better_mode(self.point.modes[name])
-            if better is not None:
-                raise SteadyStateError(
-                    f"{name!r} leaves mode {self.point.modes[name]!r} for {better!r}",
-                    elements=[name],
-                )
+        left = self.family.leaves(numpy.append(x, value))
+        if left is not None:
+            raise SteadyStateError(left, elements=list(self.point.modes))
         if self.point.algebraic:
             self.smooth.state_matrix(x, u, p)  # to say where they are not determined
         return x
 
     def eigenvalues(self, value: float, x: numpy.ndarray) -> numpy.ndarray:
         """Return the eigenvalues at a steady state of the branch, by falling real part."""
-        poles = numpy.linalg.eigvals(self.smooth.state_matrix(x, *self.arguments(value)))
-        return poles[numpy.lexsort((-poles.imag, -poles.real))].astype(complex)
+        return self.family.eigenvalues(numpy.append(x, value))
 
     def point_at(self, value: float, x: numpy.ndarray) -> SteadyState:
         """Return the full operating point at a steady state of the branch."""
-        u, p = self.arguments(value)
-        equations, order = self.point.equations, self.smooth.order
-        changed = {**self.overrides} if self.is_input else {**self.overrides, self.name: value}
-        return replace(
-            self.point,
-            states=dict(zip(self.point.states, map(float, x[:order]), strict=True)),
-            algebraic=dict(zip(self.point.algebraic, map(float, x[order:]), strict=True)),
-            outputs=self.smooth.outputs(x, u, p),
-            inputs=dict(zip(self.point.inputs, map(float, u), strict=True)),
-            parameters=parameter_values(equations, changed, self.resolver),
-        )
+        return self.family.point_at(numpy.append(x, value))
 
     def second_guess(self, value: float) -> numpy.ndarray:
         """Return the model's own initial states at a value, for a search that lost its way."""
@@ -123,7 +91,3 @@ class Branch:
         z = list(self.point.algebraic.values())
         found = self.smooth.consistent(states, *self.arguments(value), z)
         return numpy.array([*states, *z]) if found is None else found
-
-
-def _input_unit(graph: BondGraph, name: str) -> str:
-    return next((unit for symbol, unit in graph.inputs.items() if symbol.name == name), "")

@@ -15,15 +15,99 @@ Array = numpy.ndarray
 Form = Callable[..., Any]
 
 
+class Forms:
+    """Derivatives of the rates of some equations as functions, each built when first asked for.
+
+    Parameters
+    ----------
+    smooth : Smooth
+
+    Examples
+    --------
+    >>> from bondgraph import I, One, R, assemble, derive
+    >>> cart = assemble("cart", One("v") >> (I("m", 1), R("drag", 2)))
+    >>> Forms(Smooth(derive(cart), cart)).slopes([3.0], [], [])[0].tolist()
+    [-6.0]
+    """
+
+    def __init__(self, smooth: Smooth) -> None:
+        self.smooth = smooth
+
+    def at(self, x: Any, u: Any, p: Any) -> Derivatives:
+        """Return the derivatives at a point."""
+        return Derivatives(self, *(numpy.array(part, dtype=float) for part in (x, u, p)))
+
+    def slopes(self, x: Any, u: Any, p: Any) -> tuple[Array, Array, Array]:
+        """Return the rates, and their derivatives by x and by inputs and parameters.
+
+        Returns
+        -------
+        rates : (n + nz,) array
+        by_x : (n + nz, n + nz) array
+        by_arguments : (n + nz, nu + np) array
+        """
+        rates, by_x, by_arguments = self._slopes(x, u, p)
+        return rates.full().ravel(), by_x.full(), by_arguments.full()
+
+    @cached_property
+    def _symbols(self) -> tuple[Any, list[Any], Any]:
+        import casadi
+
+        smooth = self.smooth
+        size = smooth.order + len(smooth.equations.algebraic)
+        sizes = size, len(smooth.equations.inputs), len(smooth.names)
+        symbols = [casadi.SX.sym(name, size) for name, size in zip("xup", sizes, strict=True)]
+        return casadi, symbols, smooth.symbolic(*symbols)
+
+    @cached_property
+    def _slopes(self) -> Form:
+        casadi, symbols, rates = self._symbols
+        by_x = casadi.jacobian(rates, symbols[0])
+        by_arguments = casadi.jacobian(rates, casadi.vertcat(*symbols[1:]))
+        return casadi.Function(
+            "slopes", symbols, [rates, *map(casadi.densify, (by_x, by_arguments))]
+        )
+
+    @cached_property
+    def gradient(self) -> Form:
+        """Derivative of ``w J v`` by all arguments, as a function of x, u, p, w, v."""
+        casadi, symbols, rates = self._symbols
+        w, v = self._directions("wv")
+        form = casadi.dot(w, casadi.jtimes(rates, symbols[0], v))
+        slope = casadi.gradient(form, casadi.vertcat(*symbols))
+        return casadi.Function("gradient", [*symbols, w, v], [casadi.densify(slope)])
+
+    @cached_property
+    def second(self) -> Form:
+        """Second derivative of the rates along two directions, of x, u, p, a, b."""
+        return self._form("ab")
+
+    @cached_property
+    def third(self) -> Form:
+        """Third derivative of the rates along three directions, of x, u, p, a, b, c."""
+        return self._form("abc")
+
+    def _form(self, names: str) -> Form:
+        casadi, symbols, form = self._symbols
+        directions = self._directions(names)
+        for direction in directions:
+            form = casadi.jtimes(form, symbols[0], direction)
+        return casadi.Function("form", [*symbols, *directions], [casadi.densify(form)])
+
+    def _directions(self, names: str) -> list[Any]:
+        casadi, symbols, _ = self._symbols
+        return [casadi.SX.sym(name, symbols[0].numel()) for name in names]
+
+
 class Derivatives:
-    """Derivatives of the rates of equations at a point, along directions.
+    """Derivatives of the rates at a point, along directions.
 
     Directions may be complex: all forms are linear in each of them. Where algebraic variables
     are kept they stand behind the states, their residuals behind the rates.
 
     Parameters
     ----------
-    smooth : Smooth
+    forms : Forms
     x : (n + nz,) array
     u, p : array
         Inputs and parameter vector.
@@ -33,29 +117,28 @@ class Derivatives:
     >>> from bondgraph import I, One, R, assemble, derive
     >>> drag = R("drag", effort=lambda f: f**3)
     >>> cart = assemble("cart", One("v") >> (I("m", 1), drag))
-    >>> at = Derivatives(Smooth(derive(cart), cart), numpy.array([2.0]), [], [])
+    >>> at = Forms(Smooth(derive(cart), cart)).at([2.0], [], [])
     >>> one = numpy.array([1.0])
     >>> at.second(one, one).real.tolist(), at.third(one, one, one).real.tolist()
     ([-12.0], [-6.0])
     """
 
-    def __init__(self, smooth: Smooth, x: Array, u: Array, p: Array) -> None:
-        self.smooth = smooth
-        self.x = numpy.array(x, dtype=float)
-        self.u = numpy.array(u, dtype=float)
-        self.p = numpy.array(p, dtype=float)
+    def __init__(self, forms: Forms, x: Array, u: Array, p: Array) -> None:
+        self.forms, self.x, self.u, self.p = forms, x, u, p
 
     @cached_property
+    def _slopes(self) -> tuple[Array, Array, Array]:
+        return self.forms.slopes(self.x, self.u, self.p)
+
+    @property
     def jacobian(self) -> Array:
         """Derivative of the rates by states and algebraic variables, (n + nz, n + nz) array."""
-        return self.smooth.jacobian(self.x, self.u, self.p)
+        return self._slopes[1]
 
-    @cached_property
+    @property
     def by_arguments(self) -> Array:
         """Derivative of the rates by inputs and parameters, (n + nz, nu + np) array."""
-        casadi, symbols, rates = self._symbols
-        slope = casadi.jacobian(rates, casadi.vertcat(*symbols[1:]))
-        return self._function("arguments", symbols, casadi.densify(slope))().full()
+        return self._slopes[2]
 
     def gradient(self, left: Array, right: Array) -> Array:
         """Return the derivative of ``left @ jacobian @ right`` by states, inputs and parameters.
@@ -69,7 +152,7 @@ class Derivatives:
         (n + nz + nu + np,) complex array
         """
         size = len(self.x) + len(self.u) + len(self.p)
-        return _summed(self._gradient, size, left, right)
+        return self._summed(self.forms.gradient, size, left, right)
 
     def second(self, a: Array, b: Array) -> Array:
         """Return the second derivative of the rates along two directions.
@@ -82,57 +165,19 @@ class Derivatives:
         -------
         (n + nz,) complex array
         """
-        return _summed(self._second, len(self.x), a, b)
+        return self._summed(self.forms.second, len(self.x), a, b)
 
     def third(self, a: Array, b: Array, c: Array) -> Array:
         """Return the third derivative of the rates along three directions."""
-        return _summed(self._third, len(self.x), a, b, c)
+        return self._summed(self.forms.third, len(self.x), a, b, c)
 
-    @cached_property
-    def _symbols(self) -> tuple[Any, list[Any], Any]:
-        import casadi
-
-        sizes = len(self.x), len(self.u), len(self.p)
-        symbols = [casadi.SX.sym(name, size) for name, size in zip("xup", sizes, strict=True)]
-        return casadi, symbols, self.smooth.symbolic(*symbols)
-
-    @cached_property
-    def _gradient(self) -> Form:
-        casadi, symbols, rates = self._symbols
-        w, v = (casadi.SX.sym(name, len(self.x)) for name in "wv")
-        form = casadi.dot(w, casadi.jtimes(rates, symbols[0], v))
-        slope = casadi.gradient(form, casadi.vertcat(*symbols))
-        return self._function("gradient", [*symbols, w, v], casadi.densify(slope))
-
-    @cached_property
-    def _second(self) -> Form:
-        casadi, symbols, rates = self._symbols
-        a, b = (casadi.SX.sym(name, len(self.x)) for name in "ab")
-        form = casadi.jtimes(casadi.jtimes(rates, symbols[0], a), symbols[0], b)
-        return self._function("second", [*symbols, a, b], casadi.densify(form))
-
-    @cached_property
-    def _third(self) -> Form:
-        casadi, symbols, rates = self._symbols
-        a, b, c = (casadi.SX.sym(name, len(self.x)) for name in "abc")
-        form = rates
-        for direction in (a, b, c):
-            form = casadi.jtimes(form, symbols[0], direction)
-        return self._function("third", [*symbols, a, b, c], casadi.densify(form))
-
-    def _function(self, name: str, arguments: list[Any], result: Any) -> Form:
-        import casadi
-
-        function = casadi.Function(name, arguments, [result])
-        return lambda *directions: function(self.x, self.u, self.p, *directions)
-
-
-def _summed(form: Form, size: int, *vectors: Array) -> Array:
-    """Evaluate a form that is linear in each of some complex vectors from its values at real ones."""
-    total = numpy.zeros(size, dtype=complex)
-    parts = [((1, numpy.real(vector)), (1j, numpy.imag(vector))) for vector in vectors]
-    for chosen in itertools.product(*parts):
-        if all(part.any() for _, part in chosen):
-            factor = numpy.prod([unit for unit, _ in chosen])
-            total += factor * form(*(part for _, part in chosen)).full().ravel()
-    return total
+    def _summed(self, form: Form, size: int, *vectors: Array) -> Array:
+        """Evaluate a form that is linear in complex vectors from its values at real ones."""
+        total = numpy.zeros(size, dtype=complex)
+        parts = [((1, numpy.real(vector)), (1j, numpy.imag(vector))) for vector in vectors]
+        for chosen in itertools.product(*parts):
+            if all(part.any() for _, part in chosen):
+                factor = numpy.prod([unit for unit, _ in chosen])
+                found = form(self.x, self.u, self.p, *(part for _, part in chosen))
+                total += factor * found.full().ravel()
+        return total

@@ -13,7 +13,9 @@ from ..errors import SteadyStateError
 from ..graph import BondGraph
 from ..steady import SteadyState
 from .branch import Branch
-from .edges import Edge, find_edges
+from .continuation import Path, follow_path
+from .edges import Edge, same
+from .family import Family
 from .vary import Vary
 
 # The search looks at least this closely, whatever number of points is asked for.
@@ -53,7 +55,9 @@ class Locus:
     at : float
         The parameter's value at the operating point, SI.
     crossings : tuple of Edge
-        Everywhere an eigenvalue crosses the imaginary axis.
+        Everywhere an eigenvalue crosses the imaginary axis, by rising value.
+    path : Path
+        The branch through the operating point, followed round its folds.
     gaps : tuple of Gap
     """
 
@@ -64,12 +68,22 @@ class Locus:
     states: numpy.ndarray
     at: float
     crossings: tuple[Edge, ...]
+    path: Path
     gaps: tuple[Gap, ...]
 
     @property
     def edges(self) -> tuple[Edge, ...]:
         """The crossings that part stable from unstable."""
         return tuple(edge for edge in self.crossings if edge.boundary)
+
+    @property
+    def nearest(self) -> Edge | None:
+        """The edge of stability nearest to the operating point.
+
+        Of those that its own branch meets first, if it meets any.
+        """
+        first = [edge for edge in self.path.first if edge is not None]
+        return min(first or self.edges, key=lambda edge: abs(edge.value - self.at), default=None)
 
 
 def trace(
@@ -121,7 +135,8 @@ def trace(
     for index, x in enumerate(states):
         if index not in reasons:
             eigenvalues[index] = branch.eigenvalues(values[index], x)
-    crossings = find_edges(branch, values, states, eigenvalues, reasons)
+    path = follow_path(branch.family, vary.lo, vary.hi)
+    others = _other_paths(branch, values, states, reasons)
     return Locus(
         vary.name,
         branch.unit,
@@ -129,7 +144,8 @@ def trace(
         track(eigenvalues)[::finer],
         states[::finer, :order],
         branch.at,
-        crossings,
+        _together([path, *others]),
+        path,
         tuple(Gap(float(values[i]), reasons[i]) for i in sorted(reasons) if i % finer == 0),
     )
 
@@ -166,6 +182,43 @@ def track(eigenvalues: numpy.ndarray) -> numpy.ndarray:
     return sorted_rows
 
 
+def _other_paths(
+    branch: Branch, values: numpy.ndarray, states: numpy.ndarray, reasons: Mapping[int, str]
+) -> list[Path]:
+    """Follow the branches that were found behind gaps."""
+    first = int(numpy.argmin(numpy.abs(values - branch.at)))
+    paths = []
+    for run in _runs([index for index in range(len(values)) if index not in reasons]):
+        if run[0] <= first <= run[-1]:
+            continue
+        middle = run[len(run) // 2]
+        family = branch.family
+        point = family.point_at(numpy.append(states[middle], values[middle]))
+        there = Family(family.graph, point, family.names, family.overrides, family.forms)
+        paths.append(follow_path(there, values[0], values[-1]))
+    return paths
+
+
+def _runs(good: list[int]) -> list[list[int]]:
+    """Split indices into runs of neighbours."""
+    runs: list[list[int]] = []
+    for index in good:
+        if runs and runs[-1][-1] == index - 1:
+            runs[-1].append(index)
+        else:
+            runs.append([index])
+    return runs
+
+
+def _together(paths: list[Path]) -> tuple[Edge, ...]:
+    """Return the crossings of all paths once, by rising value."""
+    found: list[Edge] = []
+    for edge in (edge for path in paths for edge in path.edges):
+        if not any(same(edge, known) for known in found):
+            found.append(edge)
+    return tuple(sorted(found, key=lambda edge: edge.value))
+
+
 def _walk(branch: Branch, values: numpy.ndarray) -> tuple[numpy.ndarray, dict[int, str]]:
     """Solve from the operating point outwards; return the points and the reasons of gaps."""
     states = numpy.full((len(values), len(branch.start)), numpy.nan)
@@ -199,7 +252,8 @@ def _solved(branch: Branch, value: float, guess: numpy.ndarray) -> numpy.ndarray
 
 def _check_ends(branch: Branch, vary: Vary) -> None:
     """Refuse a range whose ends the parameter's own rules refuse."""
-    if branch.is_input:
+    family = branch.family
+    if vary.name not in family.table:
         return
     for value in (vary.lo, vary.hi):
-        branch.resolver({**branch.overrides, vary.name: value}, partial=True)
+        family.resolver({**family.overrides, vary.name: value}, partial=True)

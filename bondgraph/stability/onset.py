@@ -11,7 +11,7 @@ import numpy
 from ..linear import linearize_at
 from ..smooth import Smooth
 from ..steady import SteadyState
-from .derivatives import Derivatives
+from .derivatives import Derivatives, Forms
 
 Array = numpy.ndarray
 
@@ -91,12 +91,12 @@ class Onset:
         return 2 * size * abs(self.shares[output])
 
 
-def onset(smooth: Smooth, point: SteadyState, omega: float, parameter: str) -> Onset | None:
+def onset(forms: Forms, point: SteadyState, omega: float, parameter: str) -> Onset | None:
     """Return the normal form at a Hopf point.
 
     Parameters
     ----------
-    smooth : Smooth
+    forms : Forms
         Of the point's equations; a parameter that moves others by being derived from must not
         be held.
     point : SteadyState
@@ -120,8 +120,8 @@ def onset(smooth: Smooth, point: SteadyState, omega: float, parameter: str) -> O
     >>> edge.onset.kind
     'hard'
     """
-    u = numpy.array(list(point.inputs.values()))
-    at = Derivatives(smooth, numpy.array(point.vector), u, smooth.vector(point.parameters))
+    smooth = forms.smooth
+    at = forms.at(point.vector, list(point.inputs.values()), smooth.vector(point.parameters))
     order = smooth.order
     mass = numpy.diag((numpy.arange(len(at.x)) < order).astype(float))
     try:

@@ -12,9 +12,9 @@ import sympy
 
 from ..linear import LinearSystem
 from ..parameters import Parameter
-from ..smooth import Smooth, in_dependence
+from ..smooth import in_dependence
 from ..steady import SteadyState
-from .derivatives import Derivatives
+from .derivatives import Derivatives, Forms
 
 Array = numpy.ndarray
 
@@ -169,7 +169,7 @@ def _number(value: float) -> float | None:
 
 
 def sensitivities(
-    system: LinearSystem, smooth: Smooth, overrides: Mapping[str, Any] | None = None
+    system: LinearSystem, forms: Forms, overrides: Mapping[str, Any] | None = None
 ) -> Sensitivities:
     """Differentiate every eigenvalue by every parameter and input.
 
@@ -177,7 +177,7 @@ def sensitivities(
     ----------
     system : LinearSystem
         About a steady state.
-    smooth : Smooth
+    forms : Forms
         Of the same equations, with every parameter held.
     overrides : mapping, optional
         Parameters given as numbers by name: those of the table's derived ones among them do not
@@ -196,24 +196,21 @@ def sensitivities(
     --------
     >>> import sympy
     >>> from bondgraph import C, I, One, R, assemble, linearize
+    >>> from bondgraph.smooth import Smooth
     >>> k = sympy.Symbol("k", positive=True)
     >>> parts = (I("m", 2), C("spring", stiffness=k), R("b", 0.5))
     >>> graph = assemble("osc", One("v") >> parts, parameters={k: (8, "N/m")})
     >>> system = linearize(graph)
-    >>> found = sensitivities(system, Smooth(system.at.equations, graph, held=["k"]))
+    >>> found = sensitivities(system, Forms(Smooth(system.at.equations, graph, held=["k"])))
     >>> found.of("k").round(9).tolist()
     [0.125244858j, -0.125244858j]
     """
     point = system.at
-    at = Derivatives(
-        smooth,
-        numpy.array(point.vector),
-        numpy.array(list(point.inputs.values())),
-        smooth.vector(point.parameters),
-    )
+    smooth = forms.smooth
+    at = forms.at(point.vector, list(point.inputs.values()), smooth.vector(point.parameters))
     n, inputs = len(at.x), len(at.u)
     notes: list[str] = []
-    moved, still = _moved(at, point, notes)
+    moved, still = _moved(at, point, smooth.names, notes)
     poles, right, left = _vectors(system, at)
     gradients = numpy.zeros((len(poles), inputs + len(at.p)), dtype=complex)
     for k in range(len(poles)):
@@ -248,7 +245,9 @@ def sensitivities(
     )
 
 
-def _moved(at: Derivatives, point: SteadyState, notes: list[str]) -> tuple[Array, Array]:
+def _moved(
+    at: Derivatives, point: SteadyState, parameters: tuple[str, ...], notes: list[str]
+) -> tuple[Array, Array]:
     """Return how the steady state moves with inputs and parameters, and with which it lasts."""
     import scipy.linalg
 
@@ -264,7 +263,7 @@ def _moved(at: Derivatives, point: SteadyState, notes: list[str]) -> tuple[Array
         left = numpy.abs(balanced @ found + right).max(axis=0)
         lasts = left <= LEFT * numpy.maximum(numpy.abs(right).max(axis=0), 1e-300)
         if not lasts.all():
-            names = [*point.inputs, *at.smooth.names]
+            names = [*point.inputs, *parameters]
             told = ", ".join(name for name, good in zip(names, lasts, strict=True) if not good)
             notes.append(f"with a change of {told} there is no steady state any more")
     return found * scale[:, None], lasts

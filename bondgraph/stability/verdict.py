@@ -162,19 +162,14 @@ def _margin(locus: Locus) -> str:
     unit = f" {locus.unit}" if locus.unit else ""
     low, high = (from_si(value, locus.unit) for value in (locus.values[0], locus.values[-1]))
     here = from_si(locus.at, locus.unit)
-    if not locus.edges:
+    edge = locus.nearest
+    if edge is None:
         return f"Along {locus.name} there is no edge from {low:.4g} to {high:.4g}{unit}{_holes(locus)}."
-    edge = nearest(locus)
     value = from_si(edge.value, locus.unit)
     return (
         f"Along {locus.name} the nearest edge is at {value:.6g}{unit}, {_distance(value, here)} "
         f"({_kind(edge)}{_side(edge)}){_holes(locus)}."
     )
-
-
-def nearest(locus: Locus) -> Edge:
-    """Return the edge nearest to the operating point."""
-    return min(locus.edges, key=lambda edge: abs(edge.value - locus.at))
 
 
 def _distance(value: float, here: float) -> str:

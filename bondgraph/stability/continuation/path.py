@@ -1,0 +1,160 @@
+"""Paths: the branch of steady states through a point, along one parameter and round its folds."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy
+
+from ..edges import Edge
+from ..family import Family
+from ..modal import growths
+from .crossings import crossings
+from .curve import LIMIT, Curve, Frame, follow
+
+Array = numpy.ndarray
+
+MOST_POINTS = 600
+# Of the range: an eigenvalue that crosses and comes back within a step may be overlooked.
+STEP = 0.02
+
+
+@dataclass(frozen=True, eq=False)
+class Path:
+    """Steady states along one parameter, in the order in which the branch runs through them.
+
+    Attributes
+    ----------
+    parameter : str
+    unit : str
+        The parameter's own, for display.
+    values : (m,) array
+        Of the parameter, SI; they turn back at folds.
+    states : (m, n + nz) array
+    eigenvalues : (m, n) complex array
+        By falling real part.
+    here : int
+        Which point is the operating point.
+    edges : tuple of Edge
+        All crossings of the imaginary axis, in the path's order.
+    places : tuple of float
+        Where these lie, as fractions of points: 2.5 is between the third and the fourth.
+    ends : (str, str)
+        Why the path ends, before and behind: ``"limit"`` of the range, ``"closed"``, ``"lost"``,
+        ``"many points"``, ``"enough"`` or which contact leaves its mode.
+    """
+
+    parameter: str
+    unit: str
+    values: Array
+    states: Array
+    eigenvalues: Array
+    here: int
+    edges: tuple[Edge, ...]
+    places: tuple[float, ...]
+    ends: tuple[str, str]
+
+    @property
+    def first(self) -> tuple[Edge | None, Edge | None]:
+        """The edges of stability met first from the operating point, before and behind."""
+        told = [
+            (place, edge)
+            for place, edge in zip(self.places, self.edges, strict=True)
+            if edge.boundary
+        ]
+        before = [edge for place, edge in told if place <= self.here]
+        behind = [edge for place, edge in told if place > self.here]
+        return (before[-1] if before else None, behind[0] if behind else None)
+
+
+def follow_path(family: Family, low: float, high: float, *, only_first: bool = False) -> Path:
+    """Follow the branch of steady states through the family's point, both ways.
+
+    Parameters
+    ----------
+    family : Family
+        With one free parameter.
+    low, high : float
+        Where to end, SI; the operating point may lie outside, from where the path goes towards
+        the range and begins to count there.
+    only_first : bool
+        Stop at the first edge of stability each way.
+
+    Returns
+    -------
+    Path
+
+    Examples
+    --------
+    >>> from bondgraph import steady_state
+    >>> from bondgraph.models import bicycle_brake
+    >>> graph = bicycle_brake.graph()
+    >>> family = Family(graph, steady_state(graph), ["V0"])
+    >>> path = follow_path(family, 0.25, 1.5)
+    >>> [round(edge.value, 6) for edge in path.edges], path.ends
+    ([0.322324], ('limit', 'limit'))
+    """
+    low, high = min(low, high), max(low, high)
+    start = family.start
+    at = float(start[-1])
+    frame = Frame(family.slopes, family.scale([(low, high)]))
+    outer = min(low, at), max(high, at)
+    reach = 1e-9 * (high - low)
+
+    def within(y: Array) -> str | None:
+        if not outer[0] - reach <= y[-1] <= outer[1] + reach:
+            return LIMIT
+        return family.leaves(y)
+
+    halves: list[Curve] = []
+    for sense in (-1.0, 1.0):
+        along = numpy.zeros(len(start))
+        along[-1] = sense
+        stop = _stopper(family) if only_first else None
+        half = follow(frame, start, along, within, longest=STEP, most=MOST_POINTS, enough=stop)
+        halves.append(_to_limit(frame, half, outer, reach))
+    back, ahead = halves
+    points = numpy.vstack([back.points[:0:-1], ahead.points])
+    here = len(back.points) - 1
+    eigenvalues = numpy.array([family.eigenvalues(y) for y in points])
+    eigenvalues = eigenvalues.reshape(len(points), family.smooth.order)
+    found = crossings(family, frame, points, eigenvalues)
+    inside = [(place, edge) for place, edge in found if low - reach <= edge.value <= high + reach]
+    return Path(
+        family.names[0],
+        family.units[0],
+        points[:, -1],
+        points[:, :-1],
+        eigenvalues,
+        here,
+        tuple(edge for _, edge in inside),
+        tuple(place for place, _ in inside),
+        (back.end, ahead.end),
+    )
+
+
+def _to_limit(frame: Frame, curve: Curve, outer: tuple[float, float], reach: float) -> Curve:
+    """Move the last point of a curve that ran into the limit exactly there."""
+    if curve.end != LIMIT or len(curve.points) < 2:
+        return curve
+    last = curve.points[-1].copy()
+    ahead = curve.tangents[-1][-1] > 0
+    last[-1] = outer[1] if ahead else outer[0]
+    row = numpy.zeros(len(last))
+    row[-1] = 1.0
+    moved = frame.corrected(last, row)
+    if moved is None or numpy.abs((moved - last) / frame.scale).max() > 1e-3:
+        return curve
+    moved[-1] = last[-1]
+    return Curve(numpy.vstack([curve.points[:-1], moved]), curve.tangents, curve.end)
+
+
+def _stopper(family: Family) -> Callable[[Array, Array], bool]:
+    """Return whether an edge of stability lies between two neighbouring points."""
+
+    def stop(before: Array, after: Array) -> bool:
+        counts = [(growths(family.eigenvalues(y)) > 0).sum() for y in (before, after)]
+        return bool((counts[0] == 0) != (counts[1] == 0))
+
+    return stop
