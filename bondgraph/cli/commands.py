@@ -9,6 +9,7 @@ import click
 
 from . import options as opt
 from .discover import discover
+from .stability import reports, stability
 from .sweep import sweep
 from .symbolic import symbolic
 
@@ -199,67 +200,4 @@ def _report_run(trajectory: Trajectory, as_json: bool, written: list[Path]) -> i
     return 0
 
 
-@click.command()
-@opt.model_argument
-@opt.set_option
-@click.option(
-    "--input", "files", multiple=True, metavar="NAME=VALUE", help="Constant input. Repeatable."
-)
-@click.option(
-    "--mode",
-    "fixed",
-    multiple=True,
-    metavar="NAME=MODE",
-    help="Hold a contact in stick, slip+ or slip-.",
-)
-@click.option(
-    "--vary",
-    multiple=True,
-    metavar="NAME=LO:HI:N",
-    help="Follow the eigenvalues along a parameter.",
-)
-@click.option(
-    "--report", type=click.Path(file_okay=False, path_type=Path), help="Write an HTML report here."
-)
-@opt.json_option
-@opt.debug_option
-def stability(
-    model: str,
-    settings: tuple[str, ...],
-    files: tuple[str, ...],
-    fixed: tuple[str, ...],
-    vary: tuple[str, ...],
-    report: Path | None,
-    as_json: bool,
-) -> None:
-    """Find the steady state, its eigenvalues, and what decides them."""
-    values = opt.read_settings(settings)
-    from bondgraph.stability import Vary, assess
-
-    from .load import load_model, report_parts
-    from .show import stability_tables
-
-    ranges = [Vary.parse(word) for word in vary]
-    graph = load_model(model)
-    sections, description, usual = ([], "", []) if report is None else report_parts(model, values)
-    result = assess(
-        graph,
-        values,
-        inputs=opt.read_settings(files, "--input"),
-        modes=opt.read_modes(fixed),
-        vary=ranges or [Vary(*item) for item in usual],
-    )
-    page = None
-    if report is not None:
-        from bondgraph.report import write_report
-
-        page = write_report(result, report, sections, description)
-    if as_json:
-        opt.print_json(result.to_json())
-        return
-    stability_tables(result)
-    if page is not None:
-        click.echo(f"report: {page}")
-
-
-ALL = (models, show, equations, symbolic, simulate, stability, sweep, discover)
+ALL = (models, show, equations, symbolic, simulate, stability, reports, sweep, discover)

@@ -5,8 +5,9 @@ from __future__ import annotations
 import importlib.util
 import sys
 import traceback
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import click
 
@@ -17,35 +18,43 @@ from .options import read_number
 
 if TYPE_CHECKING:
     from bondgraph.simulation import Samples
+    from bondgraph.stability import Vary
 
 
-def report_parts(word: str, parameters: dict[str, Any]) -> tuple[list[Any], str, list[Any]]:
-    """Return what a library model adds to its report.
+class ReportParts(NamedTuple):
+    """What a library model adds to its report.
 
-    Parameters
+    Attributes
     ----------
-    word : str
-        MODEL.
-    parameters : dict
-        Settings of the report.
-
-    Returns
-    -------
-    sections : list of bondgraph.report.Section
     description : str
-    ranges : list of (name, lo, hi, points)
+    ranges : list of Vary
         What to follow the eigenvalues over unless told otherwise.
+    maps : list of (Vary, Vary)
+        What to map unless told otherwise.
+    sections : callable
+        Makes the model's own sections for settings of a report, which may take simulations.
     """
+
+    description: str
+    ranges: list[Vary]
+    maps: list[tuple[Vary, Vary]]
+    sections: Callable[[dict[str, Any]], list[Any]]
+
+
+def report_parts(word: str) -> ReportParts:
+    """Return what MODEL adds to its report; nothing where it is not of the library."""
     from bondgraph import models
+    from bondgraph.stability import Vary
 
     if word not in models.LIBRARY:
-        return [], "", []
+        return ReportParts("", [], [], lambda _: [])
     module = getattr(models, word)
     figures = getattr(module, "figures", None)
-    return (
-        list(figures(parameters)) if figures else [],
+    return ReportParts(
         module.__doc__ or "",
-        list(getattr(module, "VARY", ())),
+        [Vary(*item) for item in getattr(module, "VARY", ())],
+        [(Vary(*across), Vary(*upwards)) for across, upwards in getattr(module, "MAPS", ())],
+        lambda parameters: list(figures(parameters)) if figures else [],
     )
 
 

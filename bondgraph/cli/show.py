@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import sys
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 import sympy
@@ -21,9 +21,6 @@ from bondgraph.resolver import resolve
 from bondgraph.simulation import Trajectory
 
 from .options import print_json
-
-if TYPE_CHECKING:
-    from bondgraph.stability import StabilityResult
 
 
 def new_console() -> Console:
@@ -200,28 +197,3 @@ def run_tables(trajectory: Trajectory) -> None:
         f"\nEnergy: supplied {energy.supplied:.9g} J, stored {stored}, dissipated {energy.dissipated:.9g} J, "
         f"relative residual {residual}"
     )
-
-
-def stability_tables(result: StabilityResult) -> None:
-    """Print a stability verdict for reading."""
-    console = new_console()
-    console.print(f"{result.verdict}\n", soft_wrap=False, markup=False)
-    table = new_table(
-        "Eigenvalues", "eigenvalue [1/s]", "frequency [Hz]", "damping ratio", "stable", "decided by"
-    )
-    for row in result.rows:
-        value = row.eigenvalue
-        shown = f"{value.real:.6f}" + (f" {value.imag:+.6f}j" if value.imag else "")
-        ratio = "" if row.damping_ratio is None else f"{row.damping_ratio:.6f}"
-        table.add_row(
-            shown,
-            f"{row.frequency_hz:.6f}",
-            ratio,
-            "yes" if row.stable else "NO",
-            ", ".join(row.elements),
-        )
-    console.print(table)
-    for edge in result.edges:
-        console.print(
-            f"edge: {edge.kind} at {edge.parameter} = {edge.value:.9g}, {edge.frequency_hz:.6f} Hz"
-        )

@@ -50,6 +50,7 @@ def root_locus(locus: Locus, *, ax: Axes | None = None) -> Axes:
         lines.set_array((shown[:-1] + shown[1:]) / 2)
         ax.add_collection(lines, autolim=False)
     bar = ax.figure.colorbar(lines, ax=ax, pad=0.02)
+    bar.ax.tick_params(colors=INK, labelsize=9, length=3)
     bar.set_label(f"{locus.name} [{pretty(locus.unit or '1')}]", color=INK)
     bar.outline.set_visible(False)
     if bar.solids is not None:

@@ -1,21 +1,29 @@
 """Reports: one self-contained page on the stability of a model, with its plots and numbers.
 
-`write_report` writes it. A model adds to it with sections of its own, made of
-`Text`, `Bullets`, `Table` and `Figure`.
+`write_report` writes it, `write_index` a page that leads to several. A model adds to its report
+with sections of its own, made of `Text`, `Bullets`, `Table` and `Figure`.
 """
 
 from .blocks import Bullets, Figure, Panel, Section, Table, Text
+from .index import Entry, write_index
 from .maps import plane, stability_maps
+from .summary import advice, headline, opening, ranked
 from .write import write_report
 
 __all__ = [
     "Bullets",
+    "Entry",
     "Figure",
     "Panel",
     "Section",
     "Table",
     "Text",
+    "advice",
+    "headline",
+    "opening",
     "plane",
+    "ranked",
     "stability_maps",
+    "write_index",
     "write_report",
 ]

@@ -8,11 +8,8 @@ from ..plot import pretty, sensitivity_bars
 from ..stability import Effect, StabilityResult
 from ..units import from_si
 from .blocks import Bullets, Figure, Panel, Section, Table, Text
+from .summary import CHANGE, advice, ranked
 from .words import number
-
-CHANGE = 0.1
-# Of many parameters the table shows those that move the mode by more than this share of the first.
-WORTH_SAYING = 1e-3
 
 
 def changing_section(result: StabilityResult) -> Section | None:
@@ -39,35 +36,6 @@ _READING = (
     "the mode. The changes are slopes at the operating point, good for small steps; how far an "
     "edge is tells a locus or a map."
 )
-
-
-def ranked(result: StabilityResult) -> tuple[Effect, ...]:
-    """Return the parameters that move the critical mode, by falling effect on its growth rate."""
-    index = next(k for k, mode in enumerate(result.rows) if mode is result.critical)
-    found = result.sensitivities.ranked(index, derived=False, by="growth")
-    largest = abs(found[0].growth(CHANGE)) if found else 0.0
-    return tuple(item for item in found if abs(item.growth(CHANGE)) > WORTH_SAYING * largest)
-
-
-def advice(result: StabilityResult) -> str:
-    """Say which parameters calm the critical mode most, in one sentence.
-
-    Examples
-    --------
-    >>> from bondgraph.models import mass_on_belt
-    >>> from bondgraph.stability import assess
-    >>> advice(assess(mass_on_belt.graph()))
-    'The critical mode is calmed most by lowering N (by 0.167 1/s for 10 %), then by ...'
-    """
-    effects = ranked(result)[:3]
-    told = [
-        f"{'lowering' if item.growth(CHANGE) > 0 else 'raising'} {item.parameter} "
-        f"(by {abs(item.growth(CHANGE)):.3g} 1/s for 10 %)"
-        for item in effects
-    ]
-    if not told:
-        return "No parameter moves the growth rate of the critical mode."
-    return f"The critical mode is calmed most by {', then by '.join(told)}."
 
 
 def _figure(result: StabilityResult, effects: tuple[Effect, ...]) -> Figure:

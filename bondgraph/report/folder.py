@@ -69,9 +69,10 @@ def write_folder(
     """
     folder = Path(folder)
     try:
-        (folder / "plots").mkdir(parents=True, exist_ok=True)
-        for panel in panels_of(sections):
-            plots = folder / "plots"
+        plots = folder / "plots"
+        panels = panels_of(sections)
+        (plots if panels else folder).mkdir(parents=True, exist_ok=True)
+        for panel in panels:
             (plots / f"{panel.name}.svg").write_text(drawings[panel.name], encoding="utf-8")
             _write_csv(plots / f"{panel.name}.csv", panel)
         for name, text in texts.items():

@@ -70,12 +70,20 @@ def render(heading: Heading, sections: Sequence[Section], drawings: Mapping[str,
         state="good" if heading.good else "bad",
         headline=escape(heading.headline),
         verdict="\n".join(f"<p>{escape(sentence)}</p>" for sentence in heading.verdict),
-        contents="\n".join(
-            f'<li><a href="#{_anchor(section.title)}">{escape(section.title)}</a></li>'
-            for section in sections
-        ),
+        contents=_contents(sections),
         sections="\n".join(_section(section, drawings) for section in sections),
     )
+
+
+def _contents(sections: Sequence[Section]) -> str:
+    """List the chapters, where there are several."""
+    items = "\n".join(
+        f'<li><a href="#{_anchor(section.title)}">{escape(section.title)}</a></li>'
+        for section in sections
+    )
+    if len(sections) < 2:
+        return ""
+    return f'<nav aria-label="Contents"><p>Contents</p><ol>\n{items}\n</ol></nav>'
 
 
 def _section(section: Section, drawings: Mapping[str, str]) -> str:

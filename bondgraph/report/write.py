@@ -8,7 +8,6 @@ from pathlib import Path
 
 from ..equations import derive
 from ..stability import EigenvalueMap, StabilityResult
-from ..stability.verdict import nearest
 from . import contents, spectrum
 from .blocks import Section
 from .causality import causality_section
@@ -17,6 +16,7 @@ from .deciding import deciding_section
 from .folder import drawn, write_folder
 from .maps import map_section
 from .page import Heading, render
+from .summary import headline, opening
 
 
 def write_report(
@@ -74,32 +74,10 @@ def write_report(
 
 def _heading(result: StabilityResult, description: str) -> tuple[Heading, list[str]]:
     """Return what stands on top, and the sentences of the verdict that do not fit there."""
-    sentences = result.verdict.splitlines()
-    shown = [*sentences[:1], *_second(result, sentences[1:])]
-    rest = [sentence for sentence in sentences if sentence not in shown]
-    lede = description.strip().partition("\n\n")[0]
-    headline = "Stable" if result.stable else _unstable(result)
+    shown, rest = opening(result)
+    lede = " ".join(description.strip().partition("\n\n")[0].split())
     title, kind = result.model, "Stability report"
-    heading = Heading(title, kind, headline, shown, result.stable, " ".join(lede.split()))
-    return heading, rest
-
-
-def _second(result: StabilityResult, sentences: list[str]) -> list[str]:
-    """Choose the sentence that follows the first: how far the nearest edge is, or what feeds."""
-    loci = [locus for locus in result.loci if locus.edges]
-    if loci:
-        near = min(loci, key=lambda locus: _relative(nearest(locus).value, locus.at))
-        return [item for item in sentences if item.startswith(f"Along {near.name} ")][:1]
-    return sentences[:1]
-
-
-def _relative(value: float, at: float) -> float:
-    return abs(value - at) / (abs(at) or abs(value) or 1.0)
-
-
-def _unstable(result: StabilityResult) -> str:
-    worst = max((mode.growth for mode in result.rows), default=0)
-    return "Unstable" if worst > 0 else "Neither stable nor unstable"
+    return Heading(title, kind, headline(result), shown, result.stable, lede), rest
 
 
 def _chapters(

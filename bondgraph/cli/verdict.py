@@ -1,0 +1,130 @@
+"""A stability verdict on the terminal, in the order of the report's page."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+from rich.console import Console
+
+from .show import new_console, new_table
+
+if TYPE_CHECKING:
+    from bondgraph.stability import EigenvalueMap, Mode, StabilityResult
+
+# Rows of a table on a terminal: what matters most, not all there is.
+ROWS = 6
+
+
+def stability_tables(result: StabilityResult, maps: Sequence[EigenvalueMap] = ()) -> None:
+    """Print a verdict for reading: what decides, what to change, then the tables."""
+    from bondgraph.report import headline, opening
+
+    console = new_console()
+    shown, rest = opening(result)
+    console.print(f"[bold]{headline(result)}[/bold]")
+    for sentence in shown:
+        console.print(sentence, soft_wrap=False, markup=False)
+    _deciding(console, result.critical, rest)
+    _changing(console, result)
+    _eigenvalues(console, result)
+    _edges(console, result)
+    for found in maps:
+        stable, solved = int(found.stable.sum()), int(found.ok.sum())
+        console.print(
+            f"map of {' and '.join(found.axes)}: {stable} of {solved} points stable, "
+            f"{len(found) - solved} without a result",
+            markup=False,
+        )
+
+
+def map_json(found: EigenvalueMap) -> dict[str, Any]:
+    """Return what ``--json`` tells of a map."""
+    return {
+        "axes": list(found.axes),
+        "shape": list(found.shape),
+        "stable": int(found.stable.sum()),
+        "outcomes": found.counts(),
+    }
+
+
+def _deciding(console: Console, mode: Mode | None, rest: list[str]) -> None:
+    for sentence in rest:
+        console.print(sentence, soft_wrap=False, markup=False)
+    if mode is None:
+        return
+    table = new_table(
+        "\nWhat decides it", "element", "takes part", "holds energy", "feeds (+), drains (-) [1/s]"
+    )
+    for column in table.columns[1:]:
+        column.justify = "right"
+    for name in _telling(mode):
+        shares = (mode.carriers.get(name), mode.energies.get(name))
+        told = ["" if share is None else f"{share:.1%}" for share in shares]
+        table.add_row(name, *told, f"{mode.feeds[name]:+.4g}" if name in mode.feeds else "")
+    console.print(table)
+
+
+def _telling(mode: Mode) -> list[str]:
+    """Return the elements that matter most, storages first."""
+    least = 1e-3 * max(map(abs, mode.feeds.values()), default=0.0)
+    parts = [name for name, share in mode.carriers.items() if share > 1e-3][:ROWS]
+    feeds = sorted(mode.feeds, key=lambda name: -abs(mode.feeds[name]))
+    feeds = [name for name in feeds if abs(mode.feeds[name]) > least][:ROWS]
+    return list(dict.fromkeys([*parts, *feeds]))
+
+
+def _changing(console: Console, result: StabilityResult) -> None:
+    from bondgraph.plot import pretty
+    from bondgraph.report import advice, ranked
+    from bondgraph.units import from_si
+
+    if result.critical is None:
+        return
+    console.print("\n[bold]What to change[/bold]")
+    console.print(advice(result), soft_wrap=False, markup=False)
+    effects = ranked(result)[:ROWS]
+    if effects:
+        table = new_table("", "parameter", "now", "growth rate [1/s]", "frequency [Hz]", "to calm")
+        table.title = None
+        for column in table.columns[1:4]:
+            column.justify = "right"
+        for item in effects:
+            now = f"{from_si(item.value, item.unit):.6g} {pretty(item.unit)}".strip()
+            growth, frequency = item.growth(0.1), item.frequency(0.1)
+            way = "lower it" if growth > 0 else "raise it"
+            table.add_row(item.parameter, now, f"{growth:+.4g}", f"{frequency:+.4g}", way)
+        console.print(table)
+        console.print("Changes of the critical mode for 10 % more of a parameter.")
+    for note in result.sensitivities.notes:
+        console.print(f"note: {note}", markup=False, soft_wrap=False)
+
+
+def _eigenvalues(console: Console, result: StabilityResult) -> None:
+    table = new_table(
+        "\nEigenvalues", "eigenvalue [1/s]", "frequency [Hz]", "damping", "stable", "carried by"
+    )
+    for column in table.columns[:3]:
+        column.justify = "right"
+    for row in result.rows:
+        value = row.eigenvalue
+        shown = f"{value.real:.6g}" + (f" {value.imag:+.6g}j" if value.imag else "")
+        ratio = "" if row.damping_ratio is None else f"{row.damping_ratio:.4g}"
+        table.add_row(
+            shown,
+            f"{row.frequency_hz:.6g}",
+            ratio,
+            {1: "NO", 0: "neither", -1: "yes"}[row.growth],
+            ", ".join(row.elements),
+        )
+    console.print(table)
+
+
+def _edges(console: Console, result: StabilityResult) -> None:
+    for edge in result.edges:
+        onset = "" if edge.onset is None else f", onset {edge.onset.kind}"
+        frequency = f", {edge.frequency_hz:.6f} Hz" if edge.frequency_hz else ""
+        console.print(
+            f"edge: {edge.kind} at {edge.parameter} = {edge.value:.9g} (SI){frequency}{onset}",
+            markup=False,
+        )
