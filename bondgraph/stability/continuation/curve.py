@@ -46,8 +46,9 @@ class Frame:
 
     def tangent(self, y: Array, along: Array) -> Array | None:
         """Return the direction of the curve in scaled unknowns, with ``along`` rather than against."""
-        _, jacobian = self.problem(y)
-        matrix = jacobian * self.scale
+        return self._ahead(self.problem(y)[1] * self.scale, along)
+
+    def _ahead(self, matrix: Array, along: Array) -> Array | None:
         if not numpy.isfinite(matrix).all():
             return None
         _, sizes, rows = numpy.linalg.svd(matrix / _rows(matrix))
@@ -66,13 +67,20 @@ class Frame:
         row : (n + 1,) array
             The plane's normal, in scaled unknowns.
         """
+        return self.stepped(y, row)[0]
+
+    def stepped(self, y: Array, row: Array) -> tuple[Array | None, Array | None]:
+        """Return what `corrected` does, and the curve's direction there, with the normal.
+
+        The direction is that of the last iterate but one, good to some seven digits.
+        """
         start = y = numpy.array(y, dtype=float)
         done = False
         for _ in range(ITERATIONS):
             residual, jacobian = self.problem(y)
             matrix = jacobian * self.scale
             if not (numpy.isfinite(matrix).all() and numpy.isfinite(residual).all()):
-                return None
+                return None, None
             sizes = _rows(matrix)
             off = row @ ((y - start) / self.scale)
             whole = numpy.vstack([matrix / sizes, row])
@@ -81,12 +89,12 @@ class Frame:
             y = y + step * self.scale
             size = numpy.abs(step).max()
             if not numpy.isfinite(size) or size > 1e3:
-                return None
+                return None, None
             if done:
-                return y
+                return y, self._ahead(matrix, row)
             # one more step doubles the digits once they are half there
             done = bool(size <= 1e-7 * (1 + numpy.abs(y / self.scale).max()))
-        return None
+        return None, None
 
 
 def _rows(matrix: Array) -> Array:
@@ -172,8 +180,7 @@ def follow(
     step, end = min(FIRST_STEP, longest), MANY
     refused: str | None = None
     while len(points) < most:
-        trial = frame.corrected(points[-1] + step * frame.scale * tangents[-1], tangents[-1])
-        ahead = None if trial is None else frame.tangent(trial, tangents[-1])
+        trial, ahead = frame.stepped(points[-1] + step * frame.scale * tangents[-1], tangents[-1])
         near = ahead is not None and float(ahead @ tangents[-1]) >= TURN
         reason = within(trial) if trial is not None and near else None
         if trial is None or ahead is None or not near or reason is not None:
