@@ -6,7 +6,7 @@ would be lost.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -130,6 +130,7 @@ def follow(
     along: Array,
     within: Callable[[Array], str | None],
     *,
+    borders: Mapping[int, tuple[float, float]] | None = None,
     longest: float = LONGEST_STEP,
     most: int = 2000,
     enough: Callable[[Array, Array], bool] | None = None,
@@ -144,8 +145,9 @@ def follow(
     along : (n + 1,) array
         First direction, in scaled unknowns; its sense counts.
     within : callable
-        Returns None for an allowed point, else why it is not. The last point is the border's,
-        as nearly as the least step tells.
+        Returns None for an allowed point, else why it is not.
+    borders : mapping of int to (float, float), optional
+        Least and largest value of some unknowns, by their places. The curve ends on a border.
     longest : float
         Step in scaled unknowns.
     most : int
@@ -156,8 +158,8 @@ def follow(
     Returns
     -------
     Curve
-        Its `end` is what `within` said, or ``"closed"`` where the curve comes back to its start,
-        ``"lost"`` where no step is short enough, ``"many points"``.
+        Its `end` is what `within` said, ``"limit"`` on a border, ``"closed"`` where the curve comes
+        back to its start, ``"lost"`` where no step is short enough, ``"many points"``.
 
     References
     ----------
@@ -181,6 +183,16 @@ def follow(
     refused: str | None = None
     while len(points) < most:
         trial, ahead = frame.stepped(points[-1] + step * frame.scale * tangents[-1], tangents[-1])
+        if trial is not None and (crossed := _crossed(points[-1], trial, borders or {})):
+            onto = _onto(frame, points[-1], trial, crossed)
+            if onto is not None and within(onto) is None:
+                row = frame.tangent(onto, tangents[-1])
+                if onto is not points[-1] and row is not None:
+                    points.append(onto)
+                    tangents.append(row)
+                end = LIMIT
+                break
+            trial = None
         near = ahead is not None and float(ahead @ tangents[-1]) >= TURN
         reason = within(trial) if trial is not None and near else None
         if trial is None or ahead is None or not near or reason is not None:
@@ -201,6 +213,36 @@ def follow(
         if refused is None:
             step = min(step * GROWTH, longest)
     return Curve(numpy.array(points), numpy.array(tangents), end)
+
+
+def _crossed(
+    last: Array, trial: Array, borders: Mapping[int, tuple[float, float]]
+) -> tuple[int, float] | None:
+    """Return which unknown leaves its borders first on a straight way, and at what value."""
+    found = []
+    for place, (low, high) in borders.items():
+        value = trial[place]
+        if not low <= value <= high:
+            border = low if value < low else high
+            found.append(((border - last[place]) / (value - last[place]), place, border))
+    return min(found)[1:] if found else None
+
+
+def _onto(frame: Frame, last: Array, trial: Array, crossed: tuple[int, float]) -> Array | None:
+    """Return the point of the curve on a border between two others."""
+    place, border = crossed
+    share = (border - last[place]) / (trial[place] - last[place])
+    if share <= 1e-9:
+        return last
+    guess = last + share * (trial - last)
+    guess[place] = border
+    row = numpy.zeros(len(last))
+    row[place] = 1.0
+    found = frame.corrected(guess, row)
+    if found is None or numpy.abs((found - last) / frame.scale).max() > LONGEST_STEP * 4:
+        return None
+    found[place] = border
+    return found
 
 
 def _closed(frame: Frame, points: list[Array], step: float) -> bool:

@@ -11,7 +11,7 @@ from ..edges import Edge
 from ..family import Family
 from ..modal import growths
 from .crossings import crossings
-from .curve import LIMIT, Curve, Frame, follow
+from .curve import Curve, Frame, follow
 
 Array = numpy.ndarray
 
@@ -115,11 +115,6 @@ def follow_path(
     outer = min(low, at), max(high, at)
     reach = 1e-9 * (high - low)
 
-    def within(y: Array) -> str | None:
-        if not outer[0] - reach <= y[-1] <= outer[1] + reach:
-            return LIMIT
-        return family.leaves(y)
-
     halves: list[Curve] = []
     for sense in (-1, 1):
         along = numpy.zeros(len(start))
@@ -128,8 +123,17 @@ def follow_path(
             halves.append(Curve(start[None, :], along[None, :], NOT_ASKED))
             continue
         stop = _stopper(family) if only_first else None
-        half = follow(frame, start, along, within, longest=step, most=MOST_POINTS, enough=stop)
-        halves.append(_to_limit(frame, half, outer, reach))
+        half = follow(
+            frame,
+            start,
+            along,
+            family.leaves,
+            borders={-1: outer},
+            longest=step,
+            most=MOST_POINTS,
+            enough=stop,
+        )
+        halves.append(half)
     back, ahead = halves
     points = numpy.vstack([back.points[:0:-1], ahead.points])
     here = len(back.points) - 1
@@ -148,22 +152,6 @@ def follow_path(
         tuple(place for place, _ in inside),
         (back.end, ahead.end),
     )
-
-
-def _to_limit(frame: Frame, curve: Curve, outer: tuple[float, float], reach: float) -> Curve:
-    """Move the last point of a curve that ran into the limit exactly there."""
-    if curve.end != LIMIT or len(curve.points) < 2:
-        return curve
-    last = curve.points[-1].copy()
-    ahead = curve.tangents[-1][-1] > 0
-    last[-1] = outer[1] if ahead else outer[0]
-    row = numpy.zeros(len(last))
-    row[-1] = 1.0
-    moved = frame.corrected(last, row)
-    if moved is None or numpy.abs((moved - last) / frame.scale).max() > 1e-3:
-        return curve
-    moved[-1] = last[-1]
-    return Curve(numpy.vstack([curve.points[:-1], moved]), curve.tangents, curve.end)
 
 
 def _stopper(family: Family) -> Callable[[Array, Array], bool]:
