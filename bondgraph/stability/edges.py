@@ -61,7 +61,11 @@ class Edge:
 
 
 def described(
-    family: Family, y: numpy.ndarray, crossing: complex, unstable_above: bool | None
+    family: Family,
+    y: numpy.ndarray,
+    crossing: complex,
+    unstable_above: bool | None,
+    sizes: numpy.ndarray,
 ) -> Edge:
     """Describe a crossing at a point of a family with one free parameter.
 
@@ -72,6 +76,8 @@ def described(
     crossing : complex
         The eigenvalue that crosses.
     unstable_above : bool or None
+    sizes : (n + nz,) array
+        To measure states by.
 
     Returns
     -------
@@ -94,7 +100,7 @@ def described(
         unstable_above,
         mode,
         point,
-        onset(family.forms, point, omega, family.names[0]) if omega else None,
+        onset(family.forms, point, omega, family.names[0], sizes) if omega else None,
     )
 
 

@@ -98,6 +98,15 @@ class Family:
         whole[self._places] = values
         return whole[: len(self._u)], whole[len(self._u) :]
 
+    def symbolic(self, values: Any) -> tuple[Any, Any]:
+        """Return inputs and parameter vector with CasADi expressions in place of the free ones."""
+        import casadi
+
+        whole = casadi.SX(numpy.concatenate([self._u, self._p]))
+        for place, value in zip(self._places, casadi.vertsplit(values), strict=True):
+            whole[place] = value
+        return whole[: len(self._u)], whole[len(self._u) :]
+
     def split(self, y: Array) -> tuple[Array, Array, Array]:
         """Return states, inputs and parameter vector of a point."""
         return (y[: self.size], *self.arguments(y[self.size :]))
@@ -156,7 +165,8 @@ class Family:
 
         States of one model may have sizes that differ by many powers of ten; balancing the
         Jacobian makes them comparable, and what they are at the start and how far they move over
-        the ranges makes them numbers near one.
+        the ranges makes them numbers near one. Entries that vanish at this very point, as they do
+        at a fold, are taken from beside it.
         """
         import scipy.linalg
 
@@ -164,11 +174,12 @@ class Family:
         n = self.size
         if not n:
             return widths
-        _, whole = self.slopes(self.start)
-        jacobian, by_parameters = numpy.nan_to_num(whole[:, :n]), numpy.nan_to_num(whole[:, n:])
-        balanced, transform = scipy.linalg.matrix_balance(jacobian, permute=False)
-        sizes = numpy.diag(transform).copy()
-        moved = numpy.linalg.lstsq(balanced, by_parameters / sizes[:, None], rcond=1e-12)[0]
+        aside = numpy.concatenate([0.05 * numpy.abs(self.start[:n]), 0.05 * widths])
+        whole = [numpy.nan_to_num(self.slopes(self.start + k * aside)[1]) for k in (0, -1, 1)]
+        largest = numpy.abs(whole).max(axis=0)[:, :n]
+        sizes = numpy.diag(scipy.linalg.matrix_balance(largest, permute=False)[1]).copy()
+        scaled = whole[0][:, :n] * sizes / sizes[:, None]
+        moved = numpy.linalg.lstsq(scaled, whole[0][:, n:] / sizes[:, None], rcond=1e-12)[0]
         reach = max(
             numpy.abs(self.start[:n] / sizes).max(), numpy.abs(moved * widths).max(initial=0.0)
         )

@@ -91,7 +91,9 @@ class Onset:
         return 2 * size * abs(self.shares[output])
 
 
-def onset(forms: Forms, point: SteadyState, omega: float, parameter: str) -> Onset | None:
+def onset(
+    forms: Forms, point: SteadyState, omega: float, parameter: str, sizes: Array | None = None
+) -> Onset | None:
     """Return the normal form at a Hopf point.
 
     Parameters
@@ -105,6 +107,8 @@ def onset(forms: Forms, point: SteadyState, omega: float, parameter: str) -> Ons
         Angular frequency of the crossing pair, rad/s.
     parameter : str
         That crosses the edge; a parameter or an input.
+    sizes : (n + nz,) array, optional
+        To measure states by; those that balance the Jacobian unless given.
 
     Returns
     -------
@@ -120,14 +124,19 @@ def onset(forms: Forms, point: SteadyState, omega: float, parameter: str) -> Ons
     >>> edge.onset.kind
     'hard'
     """
+    import scipy.linalg
+
     smooth = forms.smooth
     at = forms.at(point.vector, list(point.inputs.values()), smooth.vector(point.parameters))
     order = smooth.order
     mass = numpy.diag((numpy.arange(len(at.x)) < order).astype(float))
+    if sizes is None:
+        sizes = numpy.diag(scipy.linalg.matrix_balance(at.jacobian, permute=False)[1])
     try:
-        q, p = _vectors(at.jacobian, mass, order, omega)
-        told = _cubic(at, mass, q, p, omega)
-        slope = _slope(at, q, p, _place(smooth, point, parameter))
+        q, p = _vectors(at.jacobian, mass, omega, sizes)
+        q, p = q / numpy.linalg.norm(q[:order]), p * numpy.linalg.norm(q[:order])
+        told = _cubic(at, mass, q, p, omega, sizes)
+        slope = _slope(at, q, p, _place(smooth, point, parameter), sizes)
     except numpy.linalg.LinAlgError:
         return None
     if told is None or slope is None or not numpy.isfinite([told[0], told[1], slope]).all():
@@ -149,31 +158,27 @@ def _place(smooth: Smooth, point: SteadyState, parameter: str) -> int:
     return len(inputs) + smooth.names.index(parameter)
 
 
-def _vectors(jacobian: Array, mass: Array, order: int, omega: float) -> tuple[Array, Array]:
-    """Return right and left null vectors of ``J - i omega M``: q of length one, ``p M q = 1``.
+def _vectors(jacobian: Array, mass: Array, omega: float, scale: Array) -> tuple[Array, Array]:
+    """Return right and left null vectors of ``J - i omega M`` with ``p M q = 1``.
 
-    Found in balanced states, where the sizes of units do not count.
+    Found in states measured by their sizes, where units do not count.
     """
-    import scipy.linalg
-
-    scale = numpy.diag(scipy.linalg.matrix_balance(jacobian, permute=False)[1])
     pencil = (jacobian - 1j * omega * mass) * scale[None, :] / scale[:, None]
     rows = numpy.abs(pencil).max(axis=1, keepdims=True)
     rows[rows == 0] = 1.0
     columns, _, right = numpy.linalg.svd(pencil / rows)
     q = right[-1].conj() * scale
     p = columns[:, -1].conj() / rows[:, 0] / scale
-    q = q / numpy.linalg.norm(q[:order])
     return q, p / (p @ mass @ q)
 
 
 def _cubic(
-    at: Derivatives, mass: Array, q: Array, p: Array, omega: float
+    at: Derivatives, mass: Array, q: Array, p: Array, omega: float, sizes: Array
 ) -> tuple[complex, float] | None:
     """Return the cubic coefficient, and the sizes of its terms added up."""
     conjugate = q.conj()
-    steady = _solved(at.jacobian, at.second(q, conjugate))
-    double = _solved(2j * omega * mass - at.jacobian, at.second(q, q))
+    steady = _solved(at.jacobian, at.second(q, conjugate), sizes)
+    double = _solved(2j * omega * mass - at.jacobian, at.second(q, q), sizes)
     if steady is None or double is None:
         return None
     terms = numpy.array(
@@ -186,25 +191,21 @@ def _cubic(
     return complex(terms.sum() / 2), float(numpy.abs(terms).sum() / 2)
 
 
-def _solved(matrix: Array, right: Array) -> Array | None:
-    """Solve in rows and columns scaled alike; None where the matrix is singular and it matters."""
-    import scipy.linalg
-
+def _solved(matrix: Array, right: Array, sizes: Array) -> Array | None:
+    """Solve in measured states; None where the matrix is singular and it matters."""
     if not right.any():
         return numpy.zeros(len(right), dtype=complex)
-    balance = numpy.abs(matrix)
-    scale = numpy.diag(scipy.linalg.matrix_balance(balance, permute=False)[1])
-    scaled, wanted = matrix * scale[None, :] / scale[:, None], right / scale
+    scaled, wanted = matrix * sizes[None, :] / sizes[:, None], right / sizes
     found = numpy.linalg.lstsq(scaled, wanted, rcond=1e-13)[0]
     if numpy.abs(scaled @ found - wanted).max() > 1e-7 * numpy.abs(wanted).max():
         return None
-    return numpy.asarray(found * scale)
+    return numpy.asarray(found * sizes)
 
 
-def _slope(at: Derivatives, q: Array, p: Array, place: int) -> complex | None:
+def _slope(at: Derivatives, q: Array, p: Array, place: int, sizes: Array) -> complex | None:
     """Return the derivative of the crossing eigenvalue by a parameter, the steady state moving."""
     by_parameter = at.by_arguments[:, place]
-    moved = _solved(at.jacobian, -by_parameter)
+    moved = _solved(at.jacobian, -by_parameter, sizes)
     if moved is None:
         return None
     whole = at.gradient(p, q)

@@ -85,7 +85,8 @@ def _crossing(family: Family, frame: Frame, ends: Ends, order: int) -> tuple[flo
     ahead = frame.tangent(y, (ends[1] - ends[0]) / frame.scale)
     turns = ahead is None or (not crossing.imag and abs(ahead[-1]) < TURNS)
     upwards = bool(ends[1][-1] > ends[0][-1])
-    return share, described(family, y, crossing, None if turns else rising == upwards)
+    above = None if turns else rising == upwards
+    return share, described(family, y, crossing, above, frame.scale[:-1])
 
 
 def _between(frame: Frame, ends: Ends, share: float) -> Array:

@@ -6,7 +6,7 @@ would be lost.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -46,8 +46,9 @@ class Frame:
 
     def tangent(self, y: Array, along: Array) -> Array | None:
         """Return the direction of the curve in scaled unknowns, with ``along`` rather than against."""
-        _, jacobian = self.problem(y)
-        matrix = jacobian * self.scale
+        return self._ahead(self.problem(y)[1] * self.scale, along)
+
+    def _ahead(self, matrix: Array, along: Array) -> Array | None:
         if not numpy.isfinite(matrix).all():
             return None
         _, sizes, rows = numpy.linalg.svd(matrix / _rows(matrix))
@@ -66,13 +67,20 @@ class Frame:
         row : (n + 1,) array
             The plane's normal, in scaled unknowns.
         """
+        return self.stepped(y, row)[0]
+
+    def stepped(self, y: Array, row: Array) -> tuple[Array | None, Array | None]:
+        """Return what `corrected` does, and the curve's direction there, with the normal.
+
+        The direction is that of the last iterate but one, good to some seven digits.
+        """
         start = y = numpy.array(y, dtype=float)
         done = False
         for _ in range(ITERATIONS):
             residual, jacobian = self.problem(y)
             matrix = jacobian * self.scale
             if not (numpy.isfinite(matrix).all() and numpy.isfinite(residual).all()):
-                return None
+                return None, None
             sizes = _rows(matrix)
             off = row @ ((y - start) / self.scale)
             whole = numpy.vstack([matrix / sizes, row])
@@ -81,12 +89,12 @@ class Frame:
             y = y + step * self.scale
             size = numpy.abs(step).max()
             if not numpy.isfinite(size) or size > 1e3:
-                return None
+                return None, None
             if done:
-                return y
+                return y, self._ahead(matrix, row)
             # one more step doubles the digits once they are half there
             done = bool(size <= 1e-7 * (1 + numpy.abs(y / self.scale).max()))
-        return None
+        return None, None
 
 
 def _rows(matrix: Array) -> Array:
@@ -122,6 +130,7 @@ def follow(
     along: Array,
     within: Callable[[Array], str | None],
     *,
+    borders: Mapping[int, tuple[float, float]] | None = None,
     longest: float = LONGEST_STEP,
     most: int = 2000,
     enough: Callable[[Array, Array], bool] | None = None,
@@ -136,8 +145,9 @@ def follow(
     along : (n + 1,) array
         First direction, in scaled unknowns; its sense counts.
     within : callable
-        Returns None for an allowed point, else why it is not. The last point is the border's,
-        as nearly as the least step tells.
+        Returns None for an allowed point, else why it is not.
+    borders : mapping of int to (float, float), optional
+        Least and largest value of some unknowns, by their places. The curve ends on a border.
     longest : float
         Step in scaled unknowns.
     most : int
@@ -148,8 +158,8 @@ def follow(
     Returns
     -------
     Curve
-        Its `end` is what `within` said, or ``"closed"`` where the curve comes back to its start,
-        ``"lost"`` where no step is short enough, ``"many points"``.
+        Its `end` is what `within` said, ``"limit"`` on a border, ``"closed"`` where the curve comes
+        back to its start, ``"lost"`` where no step is short enough, ``"many points"``.
 
     References
     ----------
@@ -172,8 +182,17 @@ def follow(
     step, end = min(FIRST_STEP, longest), MANY
     refused: str | None = None
     while len(points) < most:
-        trial = frame.corrected(points[-1] + step * frame.scale * tangents[-1], tangents[-1])
-        ahead = None if trial is None else frame.tangent(trial, tangents[-1])
+        trial, ahead = frame.stepped(points[-1] + step * frame.scale * tangents[-1], tangents[-1])
+        if trial is not None and (crossed := _crossed(points[-1], trial, borders or {})):
+            onto = _onto(frame, points[-1], trial, crossed)
+            if onto is not None and within(onto) is None:
+                row = frame.tangent(onto, tangents[-1])
+                if onto is not points[-1] and row is not None:
+                    points.append(onto)
+                    tangents.append(row)
+                end = LIMIT
+                break
+            trial = None
         near = ahead is not None and float(ahead @ tangents[-1]) >= TURN
         reason = within(trial) if trial is not None and near else None
         if trial is None or ahead is None or not near or reason is not None:
@@ -194,6 +213,36 @@ def follow(
         if refused is None:
             step = min(step * GROWTH, longest)
     return Curve(numpy.array(points), numpy.array(tangents), end)
+
+
+def _crossed(
+    last: Array, trial: Array, borders: Mapping[int, tuple[float, float]]
+) -> tuple[int, float] | None:
+    """Return which unknown leaves its borders first on a straight way, and at what value."""
+    found = []
+    for place, (low, high) in borders.items():
+        value = trial[place]
+        if not low <= value <= high:
+            border = low if value < low else high
+            found.append(((border - last[place]) / (value - last[place]), place, border))
+    return min(found)[1:] if found else None
+
+
+def _onto(frame: Frame, last: Array, trial: Array, crossed: tuple[int, float]) -> Array | None:
+    """Return the point of the curve on a border between two others."""
+    place, border = crossed
+    share = (border - last[place]) / (trial[place] - last[place])
+    if share <= 1e-9:
+        return last
+    guess = last + share * (trial - last)
+    guess[place] = border
+    row = numpy.zeros(len(last))
+    row[place] = 1.0
+    found = frame.corrected(guess, row)
+    if found is None or numpy.abs((found - last) / frame.scale).max() > LONGEST_STEP * 4:
+        return None
+    found[place] = border
+    return found
 
 
 def _closed(frame: Frame, points: list[Array], step: float) -> bool:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass
 
 import numpy
@@ -11,13 +11,14 @@ from ..edges import Edge
 from ..family import Family
 from ..modal import growths
 from .crossings import crossings
-from .curve import LIMIT, Curve, Frame, follow
+from .curve import Curve, Frame, follow
 
 Array = numpy.ndarray
 
 MOST_POINTS = 600
 # Of the range: an eigenvalue that crosses and comes back within a step may be overlooked.
 STEP = 0.02
+NOT_ASKED = "not asked"
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,7 +43,7 @@ class Path:
         Where these lie, as fractions of points: 2.5 is between the third and the fourth.
     ends : (str, str)
         Why the path ends, before and behind: ``"limit"`` of the range, ``"closed"``, ``"lost"``,
-        ``"many points"``, ``"enough"`` or which contact leaves its mode.
+        ``"many points"``, ``"enough"``, ``"not asked"`` or which contact leaves its mode.
     """
 
     parameter: str
@@ -68,8 +69,16 @@ class Path:
         return (before[-1] if before else None, behind[0] if behind else None)
 
 
-def follow_path(family: Family, low: float, high: float, *, only_first: bool = False) -> Path:
-    """Follow the branch of steady states through the family's point, both ways.
+def follow_path(
+    family: Family,
+    low: float,
+    high: float,
+    *,
+    only_first: bool = False,
+    senses: Collection[int] = (-1, 1),
+    step: float = STEP,
+) -> Path:
+    """Follow the branch of steady states through the family's point.
 
     Parameters
     ----------
@@ -80,6 +89,10 @@ def follow_path(family: Family, low: float, high: float, *, only_first: bool = F
         the range and begins to count there.
     only_first : bool
         Stop at the first edge of stability each way.
+    senses : collection of int
+        Which ways to go: -1 towards smaller values, 1 towards larger ones.
+    step : float
+        Longest step, as a share of the range.
 
     Returns
     -------
@@ -102,18 +115,25 @@ def follow_path(family: Family, low: float, high: float, *, only_first: bool = F
     outer = min(low, at), max(high, at)
     reach = 1e-9 * (high - low)
 
-    def within(y: Array) -> str | None:
-        if not outer[0] - reach <= y[-1] <= outer[1] + reach:
-            return LIMIT
-        return family.leaves(y)
-
     halves: list[Curve] = []
-    for sense in (-1.0, 1.0):
+    for sense in (-1, 1):
         along = numpy.zeros(len(start))
         along[-1] = sense
+        if sense not in senses:
+            halves.append(Curve(start[None, :], along[None, :], NOT_ASKED))
+            continue
         stop = _stopper(family) if only_first else None
-        half = follow(frame, start, along, within, longest=STEP, most=MOST_POINTS, enough=stop)
-        halves.append(_to_limit(frame, half, outer, reach))
+        half = follow(
+            frame,
+            start,
+            along,
+            family.leaves,
+            borders={-1: outer},
+            longest=step,
+            most=MOST_POINTS,
+            enough=stop,
+        )
+        halves.append(half)
     back, ahead = halves
     points = numpy.vstack([back.points[:0:-1], ahead.points])
     here = len(back.points) - 1
@@ -134,27 +154,11 @@ def follow_path(family: Family, low: float, high: float, *, only_first: bool = F
     )
 
 
-def _to_limit(frame: Frame, curve: Curve, outer: tuple[float, float], reach: float) -> Curve:
-    """Move the last point of a curve that ran into the limit exactly there."""
-    if curve.end != LIMIT or len(curve.points) < 2:
-        return curve
-    last = curve.points[-1].copy()
-    ahead = curve.tangents[-1][-1] > 0
-    last[-1] = outer[1] if ahead else outer[0]
-    row = numpy.zeros(len(last))
-    row[-1] = 1.0
-    moved = frame.corrected(last, row)
-    if moved is None or numpy.abs((moved - last) / frame.scale).max() > 1e-3:
-        return curve
-    moved[-1] = last[-1]
-    return Curve(numpy.vstack([curve.points[:-1], moved]), curve.tangents, curve.end)
-
-
 def _stopper(family: Family) -> Callable[[Array, Array], bool]:
-    """Return whether an edge of stability lies between two neighbouring points."""
+    """Return whether an edge of stability was passed on the way from the operating point."""
+    unstable = bool((growths(family.eigenvalues(family.start)) > 0).any())
 
-    def stop(before: Array, after: Array) -> bool:
-        counts = [(growths(family.eigenvalues(y)) > 0).sum() for y in (before, after)]
-        return bool((counts[0] == 0) != (counts[1] == 0))
+    def stop(_: Array, after: Array) -> bool:
+        return bool((growths(family.eigenvalues(after)) > 0).any()) != unstable
 
     return stop
