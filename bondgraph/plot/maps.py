@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy
@@ -15,12 +15,19 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from ..stability import EigenvalueMap
+    from ..stability.continuation import Boundary
 
 GAP, HATCH = "#c3c7cd", "#2b2f3670"
 # Decaying is blue, growing orange, as in the verdict; half of the points on a side end its scale,
 # so that a few fast modes do not bleach all others.
 DECAY, GROWTH, MIDDLE = "#0072B2", "#D55E00", "#f7f7f5"
 EDGE = "#1c2026"
+BOUNDARY: dict[str, Any] = {"color": EDGE, "lw": 2.0}
+KINDS: dict[str, dict[str, Any]] = {
+    "boundary": BOUNDARY,
+    "soft boundary": {"color": EDGE, "lw": 2.0, "ls": (0, (4, 2))},
+    "further mode": {"color": EDGE, "lw": 1.0, "ls": ":"},
+}
 # As in the modal table: smaller real parts beside the fastest eigenvalue are rounding.
 NEUTRAL = 1e-13
 # Frequencies whose spread is less than this share of them are alike.
@@ -28,7 +35,11 @@ ALIKE = 0.01
 
 
 def stability_map(
-    found: EigenvalueMap, *, at: Mapping[str, float] | None = None, ax: Axes | None = None
+    found: EigenvalueMap,
+    *,
+    at: Mapping[str, float] | None = None,
+    boundaries: Iterable[Boundary] = (),
+    ax: Axes | None = None,
 ) -> Axes:
     """Plot where a steady state is stable, over two axes of a map.
 
@@ -42,6 +53,8 @@ def stability_map(
         Of a product of two axes.
     at : mapping of str to float, optional
         Where a cross stands, by the names of the axes, SI; not drawn beyond them.
+    boundaries : iterable of Boundary
+        Edges followed over these two parameters, drawn in place of those between the points.
     ax : Axes, optional
 
     Returns
@@ -71,12 +84,16 @@ def stability_map(
     if growing:
         hatched = ax.contourf(*scales, ratio, levels=[-2, 0], colors="none", hatches=["////"])
         hatched.set(edgecolor=HATCH, linewidth=0.0)
-    _finish(ax, found, scales, at, hatched=growing)
+    _finish(ax, found, scales, at, list(boundaries), hatched=growing)
     return ax
 
 
 def damping_map(
-    found: EigenvalueMap, *, at: Mapping[str, float] | None = None, ax: Axes | None = None
+    found: EigenvalueMap,
+    *,
+    at: Mapping[str, float] | None = None,
+    boundaries: Iterable[Boundary] = (),
+    ax: Axes | None = None,
 ) -> Axes:
     """Plot the least damping ratio of all modes, over two axes of a map.
 
@@ -89,6 +106,8 @@ def damping_map(
         Of a product of two axes.
     at : mapping of str to float, optional
         Where a cross stands, by the names of the axes, SI; not drawn beyond them.
+    boundaries : iterable of Boundary
+        Edges followed over these two parameters, drawn in place of those between the points.
     ax : Axes, optional
 
     Returns
@@ -122,7 +141,7 @@ def damping_map(
     low, high = low or high or 1.0, high or low or 1.0
     colours = LinearSegmentedColormap.from_list("damping", [GROWTH, MIDDLE, DECAY])
     _coloured(ax, scales, ratio, "least damping ratio [%]", colours, TwoSlopeNorm(0.0, -low, high))
-    _finish(ax, found, scales, at)
+    _finish(ax, found, scales, at, list(boundaries))
     return ax
 
 
@@ -231,6 +250,7 @@ def _finish(
     found: EigenvalueMap,
     scales: list[numpy.ndarray],
     at: Mapping[str, float] | None,
+    boundaries: list[Boundary],
     hatched: bool = False,
 ) -> None:
     """Draw what both kinds of maps have: gaps, boundary, operating point, labels, key."""
@@ -240,15 +260,67 @@ def _finish(
     known = numpy.isfinite(ratio)
     if not known.all():
         _cells(ax, scales, numpy.where(known, numpy.nan, 1.0), ListedColormap([GAP]))
-    line = bool((ratio[known] > 0).any() and (ratio[known] < 0).any())
-    if line:
+    lines = _boundaries(ax, found, boundaries)
+    if not lines and (ratio[known] > 0).any() and (ratio[known] < 0).any():
         ax.contour(*scales, ratio, levels=[0.0], colors=[EDGE], linewidths=[2.0])
+        lines = {"boundary": BOUNDARY}
     for set_label, (name, unit) in zip(
         (ax.set_xlabel, ax.set_ylabel), found.units.items(), strict=True
     ):
         set_label(f"{name} [{pretty(unit or '1')}]")
     crossed = at is not None and _cross(ax, found, scales, at)
-    _key(ax, hatched=hatched, line=line, cross=crossed, gaps=not known.all())
+    _key(ax, lines, hatched=hatched, cross=crossed, gaps=not known.all())
+
+
+def _boundaries(
+    ax: Axes, found: EigenvalueMap, boundaries: list[Boundary]
+) -> dict[str, dict[str, Any]]:
+    """Draw the curves that belong to these axes; return the kinds drawn, with their dress."""
+    names, drawn = list(found.axes), {}
+    limits = [
+        (
+            from_si(float(scale.min()), found.units[name]),
+            from_si(float(scale.max()), found.units[name]),
+        )
+        for name, scale in found.axes.items()
+    ]
+    for curve in boundaries:
+        if sorted(curve.parameters) != sorted(names):
+            continue
+        columns = [
+            in_own_unit(curve.values[:, curve.parameters.index(name)], found.units[name])
+            for name in names
+        ]
+        for kind, here in _kinds(curve).items():
+            if here.any():
+                drawn[kind] = KINDS[kind]
+                ax.plot(
+                    *(numpy.where(here, c, numpy.nan) for c in columns), label="_b", **KINDS[kind]
+                )
+        for point in curve.special:
+            place = [
+                from_si(point.values[curve.parameters.index(name)], found.units[name])
+                for name in names
+            ]
+            ax.plot(*place, "o", ms=6, color=EDGE, mfc="white", label="_special", zorder=4)
+    if drawn:
+        ax.set_xlim(*limits[0])
+        ax.set_ylim(*limits[1])
+    return {kind: KINDS[kind] for kind in KINDS if kind in drawn}
+
+
+def _kinds(curve: Boundary) -> dict[str, numpy.ndarray]:
+    """Say of each kind of boundary where along a curve it is; pieces touch."""
+    with numpy.errstate(invalid="ignore"):
+        soft = curve.first_lyapunov < 0
+    edge = numpy.asarray(curve.edge_of_stability)
+    parts = {"boundary": edge & ~soft, "soft boundary": edge & soft, "further mode": ~edge}
+    return {kind: here | numpy.roll(here, 1) & _inner(len(here)) for kind, here in parts.items()}
+
+
+def _inner(count: int) -> numpy.ndarray:
+    """All places but the first, which has none before it."""
+    return numpy.arange(count) > 0
 
 
 def _cross(
@@ -263,14 +335,16 @@ def _cross(
     return True
 
 
-def _key(ax: Axes, *, hatched: bool, line: bool, cross: bool, gaps: bool) -> None:
+def _key(
+    ax: Axes, lines: Mapping[str, dict[str, Any]], *, hatched: bool, cross: bool, gaps: bool
+) -> None:
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 
     mark = {"color": INK, "marker": "x", "ls": "none", "ms": 8, "mew": 2.0}
     kinds = (
         (hatched, Patch(facecolor="none", edgecolor=HATCH, lw=0, hatch="////", label="unstable")),
-        (line, Line2D([], [], color=EDGE, lw=2.0, label="boundary")),
+        *((True, Line2D([], [], label=kind, **dress)) for kind, dress in lines.items()),
         (cross, Line2D([], [], label="operating point", **mark)),
         (gaps, Patch(facecolor=GAP, label="no result")),
     )

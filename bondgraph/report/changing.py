@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy
 
 from ..plot import pretty, sensitivity_bars
 from ..stability import Effect, StabilityResult
+from ..stability.margins import Margin
 from ..units import from_si
 from .blocks import Bullets, Figure, Panel, Section, Table, Text
-from .summary import CHANGE, advice, ranked
+from .summary import CHANGE, advice, onset_words, ranked
 from .words import number
 
 
@@ -18,16 +21,10 @@ def changing_section(result: StabilityResult) -> Section | None:
         return None
     effects = ranked(result)
     notes = [Bullets(result.sensitivities.notes)] if result.sensitivities.notes else []
-    if not effects:
-        nothing = Text("No parameter moves the growth rate of the critical mode.")
-        return Section("What to change", (nothing, *notes))
-    blocks = (
-        Text(advice(result)),
-        _figure(result, effects),
-        _table(effects),
-        Text(_READING, "note"),
-    )
-    return Section("What to change", (*blocks, *notes))
+    blocks: list[object] = [Text(advice(result))]
+    if effects:
+        blocks += [_figure(result, effects), _table(effects), Text(_READING, "note")]
+    return Section("What to change", (*blocks, *notes, *_margins(result)))
 
 
 _READING = (
@@ -84,3 +81,64 @@ def _table(effects: tuple[Effect, ...]) -> Table:
         "meaning",
     )
     return Table(head, rows, "crrrll", labelled=True)
+
+
+def _margins(result: StabilityResult) -> list[object]:
+    """Show how far each parameter may go, and name those that have no edge."""
+    found: Sequence[Margin] = getattr(result, "margins", ())
+    near = [item for item in found if item.nearest is not None]
+    if not found:
+        return []
+    blocks: list[object] = []
+    if near:
+        rows = tuple(_margin(item) for item in near)
+        head = (
+            "parameter",
+            "now",
+            "edge below",
+            "edge above",
+            "nearest",
+            "there begins",
+            "meaning",
+        )
+        caption = f"How far each parameter may go until the system is {_other(result)}."
+        blocks += [Table(head, rows, "crrrrll", caption, labelled=True), Text(_MARGINS, "note")]
+    without = [item.parameter for item in found if item.nearest is None]
+    if without:
+        blocks.append(
+            Text(
+                f"No edge between a tenth and ten times the present value along {', '.join(without)}."
+            )
+        )
+    return blocks
+
+
+_MARGINS = (
+    "How to read it: the first value at which stability is lost or won when one parameter is "
+    "lowered or raised and all others stay; the nearest as a factor on the present value. Soft: "
+    "behind the edge a vibration starts small and grows with the distance. Hard: it jumps to a "
+    "large one at once, and a push can set it off before the edge is reached."
+)
+
+
+def _other(result: StabilityResult) -> str:
+    return "unstable" if result.stable else "stable"
+
+
+def _margin(item: Margin) -> tuple[str, ...]:
+    factor, edge = item.factor, item.nearest
+    assert edge is not None
+    unit = pretty(item.unit)
+
+    def shown(value: float) -> str:
+        return f"{number(from_si(value, item.unit))} {unit}".strip()
+
+    return (
+        item.parameter,
+        shown(item.value),
+        "" if item.below is None else shown(item.below.value),
+        "" if item.above is None else shown(item.above.value),
+        "" if factor is None else f"x {factor:.3g}",
+        onset_words(edge),
+        item.meaning,
+    )

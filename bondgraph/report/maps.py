@@ -93,6 +93,7 @@ def _figure(result: StabilityResult, found: EigenvalueMap) -> Figure:
     name = "-".join(map(slug, names))
     title = f"{names[1]} over {names[0]}"
     numbers = _numbers(found)
+    boundaries = getattr(result, "boundaries", ())
     stable, solved = int(found.stable.sum()), int(found.ok.sum())
     where = ", ".join(
         f"{key} = {number(from_si(value, found.units[key]))} {pretty(found.units[key])}".strip()
@@ -111,13 +112,13 @@ def _figure(result: StabilityResult, found: EigenvalueMap) -> Figure:
         (
             Panel(
                 f"map-{name}-damping",
-                damping_map(found, at=marked),
+                damping_map(found, at=marked, boundaries=boundaries),
                 f"Least damping ratio, {title}; {stable} of {solved} points stable",
                 numbers,
             ),
             Panel(
                 f"map-{name}",
-                stability_map(found, at=marked),
+                stability_map(found, at=marked, boundaries=boundaries),
                 f"Frequency of the leading mode and unstable region, {title}",
                 numbers,
             ),

@@ -12,6 +12,7 @@ from ..stability import Edge, Locus, Mode, StabilityResult
 from ..stability.verdict import duration
 from ..units import from_si
 from .blocks import Figure, Panel, Section, Table, Text
+from .summary import ONSETS
 from .words import coherent, number, slug
 
 CARRIERS = 3
@@ -106,7 +107,6 @@ _CROSSING = (
     "starts small and grows with the distance. Hard: it jumps to a large one at once, and a push "
     "can set it off before the edge is reached."
 )
-_ONSET = {"soft": "soft", "hard": "hard", "degenerate": "undecided"}
 
 
 def _locus_figure(locus: Locus) -> Figure:
@@ -166,7 +166,7 @@ def _crossing(edge: Edge, locus: Locus) -> tuple[str, ...]:
         "Hopf" if edge.kind == "hopf" else "fold",
         number(edge.frequency_hz, 8),
         side,
-        "" if edge.onset is None else _ONSET.get(edge.onset.kind, edge.onset.kind),
+        "" if edge.onset is None else ONSETS.get(edge.onset.kind, edge.onset.kind),
         "edge of stability" if edge.boundary else "a further mode",
         _shares(edge.mode),
     )

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from ..stability import Effect, StabilityResult
+from ..stability import Edge, Effect, StabilityResult
 
 # Effects are told for parameters that change by this share of themselves.
 CHANGE = 0.1
+# How a vibration starts behind an edge; where the cubic term is zero it does not say.
+ONSETS = {"soft": "soft", "hard": "hard", "degenerate": "onset undecided"}
 # What moves the mode by less than this share of what the first parameter does is not worth a row.
 WORTH_SAYING = 1e-3
 
@@ -117,3 +119,27 @@ def advice(result: StabilityResult) -> str:
     if not told:
         return "No parameter moves the growth rate of the critical mode."
     return f"The critical mode is calmed most by {', then by '.join(told)}."
+
+
+def onset_words(edge: Edge) -> str:
+    """Say in a few words what begins at an edge.
+
+    Parameters
+    ----------
+    edge : Edge
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> from bondgraph.models import bicycle_brake
+    >>> from bondgraph.stability import assess
+    >>> onset_words(assess(bicycle_brake.graph(), vary=["V0=0.3:0.9:20"]).edges[0])
+    '200.5 Hz, hard'
+    """
+    if edge.kind != "hopf":
+        return "a drift without swinging"
+    kind = "" if edge.onset is None else f", {ONSETS.get(edge.onset.kind, edge.onset.kind)}"
+    return f"{edge.frequency_hz:.4g} Hz{kind}"
