@@ -6,9 +6,11 @@ result in words.
 """
 
 from .assess import StabilityResult, assess
+from .continuation import Boundary, Path, Special, follow_edge
 from .edges import Edge
 from .locus import Gap, Locus, trace
 from .maps import EigenvalueMap, PointOutcome, eigenvalue_map
+from .margins import Margin, margins
 from .modal import Mode, modal_table
 from .onset import Onset, onset
 from .sensitivity import Effect, Sensitivities, sensitivities
@@ -16,6 +18,12 @@ from .vary import Vary
 from .verdict import verdict
 
 __all__ = [
+    "Boundary",
+    "Margin",
+    "Path",
+    "Special",
+    "follow_edge",
+    "margins",
     "Edge",
     "Effect",
     "EigenvalueMap",

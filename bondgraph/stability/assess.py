@@ -6,13 +6,16 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from ..errors import ParameterError
 from ..graph import BondGraph
 from ..linear import LinearSystem, linearize_at
 from ..smooth import Smooth
 from ..steady import SteadyState, steady_state
+from .continuation import Boundary, boundaries
 from .derivatives import Forms
 from .edges import Edge
 from .locus import Locus, trace
+from .margins import SPAN, Margin, margins
 from .modal import Mode, modal_table
 from .sensitivity import Sensitivities, sensitivities
 from .vary import Vary, as_vary
@@ -35,7 +38,11 @@ class StabilityResult:
         The modal table: one an eigenvalue, in the order of ``system.poles()``.
     sensitivities : Sensitivities
         How each eigenvalue moves with each parameter.
+    margins : tuple of Margin
+        How far each parameter is from its edge, nearest first; empty where not asked for.
     loci : tuple of Locus
+    boundaries : tuple of Boundary
+        Edges followed in the planes asked for.
     verdict : str
         Plain language, a sentence a line.
     warnings : tuple of str
@@ -46,7 +53,9 @@ class StabilityResult:
     system: LinearSystem
     rows: tuple[Mode, ...]
     sensitivities: Sensitivities
+    margins: tuple[Margin, ...]
     loci: tuple[Locus, ...]
+    boundaries: tuple[Boundary, ...]
     verdict: str
     warnings: tuple[str, ...]
 
@@ -100,6 +109,8 @@ class StabilityResult:
             "energies": [dict(mode.energies) for mode in self.rows],
             "feeds": [dict(mode.feeds) for mode in self.rows],
             "sensitivities": self.sensitivities.to_json(),
+            "margins": [_margin(item) for item in self.margins],
+            "boundaries": [item.to_json() for item in self.boundaries],
             "verdict": self.verdict,
             "warnings": list(self.warnings),
         }
@@ -112,6 +123,8 @@ def assess(
     modes: Mapping[str, str] | None = None,
     vary: Iterable[Vary | str | tuple[Any, ...]] = (),
     guess: Mapping[Any, float] | None = None,
+    planes: Iterable[tuple[str, str]] = (),
+    span: float | None = SPAN,
 ) -> StabilityResult:
     """Assess the stability of a graph's steady state.
 
@@ -129,6 +142,10 @@ def assess(
         ``"V0=0.25:1.5:200"``.
     guess : mapping, optional
         Start of the search for the operating point, by state.
+    planes : iterable of (str, str), optional
+        Pairs of varied parameters in whose plane to follow the edges.
+    span : float or None
+        How far to look for each parameter's edge, as a factor; None not to.
 
     Returns
     -------
@@ -154,17 +171,45 @@ def assess(
     system = linearize_at(smooth, point)
     overrides = {getattr(key, "name", key): value for key, value in (parameters or {}).items()}
     table = modal_table(system)
+    moves = sensitivities(system, Forms(smooth), overrides)
     loci = tuple(trace(graph, point, item, parameters) for item in ranges)
+    curves, notes = _boundaries(graph, loci, planes, overrides)
     return StabilityResult(
         graph,
         overrides,
         system,
         table,
-        sensitivities(system, Forms(smooth), overrides),
+        moves,
+        () if span is None else margins(graph, point, parameters, moves.moving(), span),
         loci,
+        curves,
         verdict(system, table, loci),
-        _warnings(point, loci),
+        (*_warnings(point, loci), *moves.notes, *notes),
     )
+
+
+def _boundaries(
+    graph: BondGraph,
+    loci: tuple[Locus, ...],
+    planes: Iterable[tuple[str, str]],
+    overrides: Mapping[str, Any],
+) -> tuple[tuple[Boundary, ...], list[str]]:
+    """Follow the edges of the loci in the planes asked for."""
+    by_name = {locus.name: locus for locus in loci}
+    found: list[Boundary] = []
+    notes: list[str] = []
+    for plane in planes:
+        for name in plane:
+            if name not in by_name:
+                raise ParameterError(
+                    f"the plane {' and '.join(plane)} needs a range of {name!r}; vary it"
+                )
+        ranges = tuple(by_name[name].range for name in plane)
+        edges = {name: by_name[name].edges for name in plane}
+        curves, said = boundaries(graph, edges, (ranges[0], ranges[1]), overrides)
+        found += curves
+        notes += said
+    return tuple(found), notes
 
 
 def _warnings(point: SteadyState, loci: Iterable[Locus]) -> tuple[str, ...]:
@@ -201,6 +246,16 @@ def _eigenvalue(mode: Mode) -> dict[str, float | None]:
         "imag": mode.eigenvalue.imag,
         "frequency_hz": mode.frequency_hz,
         "damping_ratio": mode.damping_ratio,
+    }
+
+
+def _margin(margin: Margin) -> dict[str, Any]:
+    return {
+        "parameter": margin.parameter,
+        "value": margin.value,
+        "below": None if margin.below is None else _edge(margin.below),
+        "above": None if margin.above is None else _edge(margin.above),
+        "ends": list(margin.ends),
     }
 
 

@@ -178,9 +178,17 @@ class Family:
         whole = [numpy.nan_to_num(self.slopes(self.start + k * aside)[1]) for k in (0, -1, 1)]
         largest = numpy.abs(whole).max(axis=0)[:, :n]
         sizes = numpy.diag(scipy.linalg.matrix_balance(largest, permute=False)[1]).copy()
-        scaled = whole[0][:, :n] * sizes / sizes[:, None]
-        moved = numpy.linalg.lstsq(scaled, whole[0][:, n:] / sizes[:, None], rcond=1e-12)[0]
         reach = max(
-            numpy.abs(self.start[:n] / sizes).max(), numpy.abs(moved * widths).max(initial=0.0)
+            numpy.abs(self.start[:n] / sizes).max(),
+            # beside a fold states move far for little: the least of the three tells
+            min(_moved(matrix, sizes, widths) for matrix in whole),
         )
         return numpy.concatenate([sizes * (reach if reach > 0 else 1.0), widths])
+
+
+def _moved(slopes: Array, sizes: Array, widths: Array) -> float:
+    """Return how far steady states move over ranges of the parameters, in their sizes."""
+    n = len(sizes)
+    scaled = slopes[:, :n] * sizes / sizes[:, None]
+    found = numpy.linalg.lstsq(scaled, slopes[:, n:] / sizes[:, None], rcond=1e-12)[0]
+    return float(numpy.abs(found * widths).max(initial=0.0))

@@ -77,6 +77,11 @@ class Locus:
         return tuple(edge for edge in self.crossings if edge.boundary)
 
     @property
+    def range(self) -> Vary:
+        """The range followed, SI."""
+        return Vary(self.name, float(self.values[0]), float(self.values[-1]), len(self.values))
+
+    @property
     def nearest(self) -> Edge | None:
         """The edge of stability nearest to the operating point.
 

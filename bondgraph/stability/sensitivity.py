@@ -114,6 +114,15 @@ class Sensitivities:
         """Return the derivative of each eigenvalue by one parameter, (n,) complex array."""
         return numpy.asarray(self.derivatives[:, self.names.index(name)])
 
+    def moving(self) -> tuple[str, ...]:
+        """Return what moves any eigenvalue, without what the table derives from others."""
+        named = {item.parameter for k in range(len(self.eigenvalues)) for item in self.ranked(k)}
+        return tuple(
+            name
+            for name, derived in zip(self.names, self.derived, strict=True)
+            if name in named and not derived
+        )
+
     def ranked(self, index: int, *, derived: bool = True, by: str = "both") -> tuple[Effect, ...]:
         """Return what moves an eigenvalue, by falling effect of equal relative changes.
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy
@@ -81,6 +81,16 @@ class Boundary:
     edge_of_stability: Array
     special: tuple[Special, ...]
     ends: tuple[str, str]
+
+    def swapped(self) -> Boundary:
+        """Return the same curve with its parameters in the other order."""
+        return replace(
+            self,
+            parameters=self.parameters[::-1],
+            units=self.units[::-1],
+            values=self.values[:, ::-1],
+            special=tuple(replace(item, values=item.values[::-1]) for item in self.special),
+        )
 
     def to_json(self) -> dict[str, Any]:
         """Return the curve as plain values; what is no number is None."""
