@@ -51,7 +51,7 @@ def library_reports(folder: str | Path, names: Iterable[str] | None = None) -> t
 
 
 def _entry(folder: Path, name: str, description: str) -> Entry:
-    from bondgraph.report import Entry, headline, opening, stability_maps, write_report
+    from bondgraph.report import Entry, headline, opening, stability_planes, write_report
     from bondgraph.stability import assess
 
     from .load import load_model, report_parts
@@ -59,7 +59,7 @@ def _entry(folder: Path, name: str, description: str) -> Entry:
     parts = report_parts(name)
     try:
         result = assess(load_model(name), vary=parts.ranges)
-        maps = stability_maps(result, parts.maps)
+        maps = stability_planes(result, parts.maps)
         write_report(result, folder / name, parts.sections({}), parts.description, maps)
     except BondGraphError as error:
         return Entry(name, "", "No report", (str(error),), description, False)

@@ -62,7 +62,7 @@ def stability(
 ) -> None:
     """Find the steady state, its eigenvalues, what decides them and what would change them."""
     values, modes = opt.read_settings(settings), opt.read_modes(fixed)
-    from bondgraph.report import stability_maps, write_report
+    from bondgraph.report import stability_planes, write_report
     from bondgraph.stability import Vary, assess
 
     from .load import load_model, report_parts
@@ -81,7 +81,7 @@ def stability(
         modes=modes,
         vary=ranges or (parts.ranges if parts else []),
     )
-    maps = stability_maps(result, pairs, modes)
+    maps = stability_planes(result, pairs, modes)
     page = None
     if report is not None and parts is not None:
         page = write_report(result, report, parts.sections(values), parts.description, maps)

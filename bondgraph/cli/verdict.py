@@ -10,13 +10,14 @@ from rich.console import Console
 from .show import new_console, new_table
 
 if TYPE_CHECKING:
-    from bondgraph.stability import EigenvalueMap, Mode, StabilityResult
+    from bondgraph.report import Plane
+    from bondgraph.stability import Mode, StabilityResult
 
 # Rows of a table on a terminal: what matters most, not all there is.
 ROWS = 6
 
 
-def stability_tables(result: StabilityResult, maps: Sequence[EigenvalueMap] = ()) -> None:
+def stability_tables(result: StabilityResult, maps: Sequence[Plane] = ()) -> None:
     """Print a verdict for reading: what decides, what to change, then the tables."""
     from bondgraph.report import headline, opening
 
@@ -25,11 +26,12 @@ def stability_tables(result: StabilityResult, maps: Sequence[EigenvalueMap] = ()
     console.print(f"[bold]{headline(result)}[/bold]")
     for sentence in shown:
         console.print(sentence, soft_wrap=False, markup=False)
-    _deciding(console, result.critical, rest)
+    distances = [sentence for sentence in rest if sentence.startswith("Along ")]
+    _deciding(console, result.critical, [item for item in rest if item not in distances])
     _changing(console, result)
     _eigenvalues(console, result)
-    _edges(console, result)
-    for found in maps:
+    _edges(console, result, distances)
+    for found in (shown.points for shown in maps):
         stable, solved = int(found.stable.sum()), int(found.ok.sum())
         console.print(
             f"map of {' and '.join(found.axes)}: {stable} of {solved} points stable, "
@@ -38,13 +40,15 @@ def stability_tables(result: StabilityResult, maps: Sequence[EigenvalueMap] = ()
         )
 
 
-def map_json(found: EigenvalueMap) -> dict[str, Any]:
+def map_json(shown: Plane) -> dict[str, Any]:
     """Return what ``--json`` tells of a map."""
+    found = shown.points
     return {
         "axes": list(found.axes),
         "shape": list(found.shape),
         "stable": int(found.stable.sum()),
         "outcomes": found.counts(),
+        "boundaries": [curve.to_json() for curve in shown.boundaries],
     }
 
 
@@ -85,17 +89,30 @@ def _changing(console: Console, result: StabilityResult) -> None:
     console.print(advice(result), soft_wrap=False, markup=False)
     effects = ranked(result)[:ROWS]
     if effects:
-        table = new_table("", "parameter", "now", "growth rate [1/s]", "frequency [Hz]", "to calm")
+        edges = {item.parameter: item for item in result.margins if item.nearest is not None}
+        table = new_table(
+            "", "parameter", "now", "edge at", "growth [1/s]", "frequency [Hz]", "to calm"
+        )
         table.title = None
-        for column in table.columns[1:4]:
+        for column in table.columns[1:5]:
             column.justify = "right"
         for item in effects:
-            now = f"{from_si(item.value, item.unit):.6g} {pretty(item.unit)}".strip()
             growth, frequency = item.growth(0.1), item.frequency(0.1)
-            way = "lower it" if growth > 0 else "raise it"
-            table.add_row(item.parameter, now, f"{growth:+.4g}", f"{frequency:+.4g}", way)
+            near = edges[item.parameter].nearest if item.parameter in edges else None
+            table.add_row(
+                item.parameter,
+                f"{from_si(item.value, item.unit):.5g} {pretty(item.unit)}".strip(),
+                "" if near is None else f"{from_si(near.value, item.unit):.5g}",
+                f"{growth:+.3g}",
+                f"{frequency:+.3g}",
+                "lower it" if growth > 0 else "raise it",
+            )
         console.print(table)
-        console.print("Changes of the critical mode for 10 % more of a parameter.")
+        console.print(
+            "Growth and frequency: changes of the critical mode for 10 % more of the parameter. "
+            "Edge: where stability is lost or won, between a tenth and ten times the value now.",
+            soft_wrap=False,
+        )
     for note in result.sensitivities.notes:
         console.print(f"note: {note}", markup=False, soft_wrap=False)
 
@@ -120,11 +137,19 @@ def _eigenvalues(console: Console, result: StabilityResult) -> None:
     console.print(table)
 
 
-def _edges(console: Console, result: StabilityResult) -> None:
+def _edges(console: Console, result: StabilityResult, distances: list[str]) -> None:
+    from bondgraph.plot import pretty
+    from bondgraph.units import from_si
+
+    if distances:
+        console.print("\n[bold]How far the edge is[/bold]")
+    for sentence in distances:
+        console.print(sentence, soft_wrap=False, markup=False)
     for edge in result.edges:
         onset = "" if edge.onset is None else f", onset {edge.onset.kind}"
         frequency = f", {edge.frequency_hz:.6f} Hz" if edge.frequency_hz else ""
+        value = f"{from_si(edge.value, edge.unit):.9g} {pretty(edge.unit)}".strip()
         console.print(
-            f"edge: {edge.kind} at {edge.parameter} = {edge.value:.9g} (SI){frequency}{onset}",
+            f"edge: {edge.kind} at {edge.parameter} = {value}{frequency}{onset}",
             markup=False,
         )

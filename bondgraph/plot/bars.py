@@ -118,7 +118,7 @@ def sensitivity_bars(
     >>> found = assess(mass_on_belt.graph()).sensitivities.ranked(0, derived=False, by="growth")
     >>> ax = sensitivity_bars(found[:2])
     >>> [text.get_text() for text in ax.get_yticklabels()]
-    ['N', 'v_b']
+    ['mu_s', 'mu_k']
     """
     shown = list(effects)[:MOST]
     ax = _rows([item.parameter for item in shown], ax)

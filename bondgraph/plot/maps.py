@@ -22,6 +22,8 @@ GAP, HATCH = "#c3c7cd", "#2b2f3670"
 # so that a few fast modes do not bleach all others.
 DECAY, GROWTH, MIDDLE = "#0072B2", "#D55E00", "#f7f7f5"
 EDGE = "#1c2026"
+# In cells: nearer than this a followed boundary is the edge that the points tell.
+BESIDE = 2.0
 BOUNDARY: dict[str, Any] = {"color": EDGE, "lw": 2.0}
 KINDS: dict[str, dict[str, Any]] = {
     "boundary": BOUNDARY,
@@ -54,7 +56,8 @@ def stability_map(
     at : mapping of str to float, optional
         Where a cross stands, by the names of the axes, SI; not drawn beyond them.
     boundaries : iterable of Boundary
-        Edges followed over these two parameters, drawn in place of those between the points.
+        Edges followed over these two parameters; where there is none beside it, the edge is drawn
+        as it runs between the points.
     ax : Axes, optional
 
     Returns
@@ -107,7 +110,8 @@ def damping_map(
     at : mapping of str to float, optional
         Where a cross stands, by the names of the axes, SI; not drawn beyond them.
     boundaries : iterable of Boundary
-        Edges followed over these two parameters, drawn in place of those between the points.
+        Edges followed over these two parameters; where there is none beside it, the edge is drawn
+        as it runs between the points.
     ax : Axes, optional
 
     Returns
@@ -261,9 +265,8 @@ def _finish(
     if not known.all():
         _cells(ax, scales, numpy.where(known, numpy.nan, 1.0), ListedColormap([GAP]))
     lines = _boundaries(ax, found, boundaries)
-    if not lines and (ratio[known] > 0).any() and (ratio[known] < 0).any():
-        ax.contour(*scales, ratio, levels=[0.0], colors=[EDGE], linewidths=[2.0])
-        lines = {"boundary": BOUNDARY}
+    if (ratio[known] > 0).any() and (ratio[known] < 0).any():
+        lines = {**_between(ax, scales, ratio), **lines}
     for set_label, (name, unit) in zip(
         (ax.set_xlabel, ax.set_ylabel), found.units.items(), strict=True
     ):
@@ -307,6 +310,43 @@ def _boundaries(
         ax.set_xlim(*limits[0])
         ax.set_ylim(*limits[1])
     return {kind: KINDS[kind] for kind in KINDS if kind in drawn}
+
+
+def _between(
+    ax: Axes, scales: list[numpy.ndarray], ratio: numpy.ndarray
+) -> dict[str, dict[str, Any]]:
+    """Draw the edge as the points tell it, where no boundary was followed along it."""
+    contour = ax.contour(*scales, ratio, levels=[0.0])
+    pieces = [numpy.asarray(piece) for piece in contour.allsegs[0] if len(piece) > 1]
+    contour.remove()
+    cell = numpy.array([numpy.ptp(scale) / (len(scale) - 1) for scale in scales])
+    exact = [_dense(line.get_xydata() / cell) for line in ax.lines if line.get_label() == "_b"]
+    told = numpy.concatenate(exact) if exact else numpy.empty((0, 2))
+    drawn = False
+    for piece in pieces:
+        far = _far(piece / cell, told)
+        if far.any():
+            ax.plot(*numpy.where(far, piece.T, numpy.nan), label="_edge", **BOUNDARY)
+            drawn = True
+    return {"boundary": BOUNDARY} if drawn else {}
+
+
+def _far(points: numpy.ndarray, told: numpy.ndarray) -> numpy.ndarray:
+    """Say which points, in cells, have no followed boundary beside them."""
+    if not len(told):
+        return numpy.ones(len(points), dtype=bool)
+    return numpy.array([((told - point) ** 2).sum(axis=1).min() > BESIDE**2 for point in points])
+
+
+def _dense(points: numpy.ndarray) -> numpy.ndarray:
+    """Return a line, in cells, with points at most half a cell apart."""
+    points = points[numpy.isfinite(points).all(axis=1)]
+    if len(points) < 2:
+        return points
+    steps = numpy.hypot(*numpy.diff(points, axis=0).T)
+    along = numpy.concatenate([[0.0], numpy.cumsum(steps)])
+    places = numpy.linspace(0, along[-1], int(2 * along[-1]) + 2)
+    return numpy.column_stack([numpy.interp(places, along, column) for column in points.T])
 
 
 def _kinds(curve: Boundary) -> dict[str, numpy.ndarray]:

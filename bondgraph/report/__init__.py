@@ -6,7 +6,7 @@ with sections of its own, made of `Text`, `Bullets`, `Table` and `Figure`.
 
 from .blocks import Bullets, Figure, Panel, Section, Table, Text
 from .index import Entry, write_index
-from .maps import plane, stability_maps
+from .maps import Plane, plane, stability_planes
 from .summary import advice, headline, opening, ranked
 from .write import write_report
 
@@ -15,6 +15,7 @@ __all__ = [
     "Entry",
     "Figure",
     "Panel",
+    "Plane",
     "Section",
     "Table",
     "Text",
@@ -23,7 +24,7 @@ __all__ = [
     "opening",
     "plane",
     "ranked",
-    "stability_maps",
+    "stability_planes",
     "write_index",
     "write_report",
 ]

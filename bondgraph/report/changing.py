@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy
 
 from ..plot import pretty, sensitivity_bars
-from ..stability import Effect, StabilityResult
-from ..stability.margins import Margin
+from ..stability import Effect, Margin, StabilityResult
 from ..units import from_si
 from .blocks import Bullets, Figure, Panel, Section, Table, Text
 from .summary import CHANGE, advice, onset_words, ranked
@@ -30,8 +27,7 @@ def changing_section(result: StabilityResult) -> Section | None:
 _READING = (
     "How to read it: each row raises one parameter by 10 % and leaves all others; values derived "
     "from it follow, and so does the operating point. A negative change of the growth rate calms "
-    "the mode. The changes are slopes at the operating point, good for small steps; how far an "
-    "edge is tells a locus or a map."
+    "the mode. The changes are slopes at the operating point, good for small steps only."
 )
 
 
@@ -85,7 +81,7 @@ def _table(effects: tuple[Effect, ...]) -> Table:
 
 def _margins(result: StabilityResult) -> list[object]:
     """Show how far each parameter may go, and name those that have no edge."""
-    found: Sequence[Margin] = getattr(result, "margins", ())
+    found = result.margins
     near = [item for item in found if item.nearest is not None]
     if not found:
         return []
@@ -101,7 +97,11 @@ def _margins(result: StabilityResult) -> list[object]:
             "there begins",
             "meaning",
         )
-        caption = f"How far each parameter may go until the system is {_other(result)}."
+        caption = (
+            "How far each parameter may go, all others kept, until the system is unstable."
+            if result.stable
+            else "How far each parameter must go, all others kept, until the system is stable."
+        )
         blocks += [Table(head, rows, "crrrrll", caption, labelled=True), Text(_MARGINS, "note")]
     without = [item.parameter for item in found if item.nearest is None]
     if without:
@@ -119,10 +119,6 @@ _MARGINS = (
     "behind the edge a vibration starts small and grows with the distance. Hard: it jumps to a "
     "large one at once, and a push can set it off before the edge is reached."
 )
-
-
-def _other(result: StabilityResult) -> str:
-    return "unstable" if result.stable else "stable"
 
 
 def _margin(item: Margin) -> tuple[str, ...]:

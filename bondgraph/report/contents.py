@@ -13,11 +13,12 @@ from ..dimensions import infer
 from ..equations import Equations, derive
 from ..graph import BondGraph
 from ..plot import pretty
-from ..stability import EigenvalueMap, Locus, StabilityResult
+from ..stability import Locus, StabilityResult
 from ..text import to_text
 from ..units import from_si
 from .blocks import Bullets, Figure, Markup, Section, Table, Text
 from .drawing import drawing
+from .maps import Plane
 from .mathml import state_equations
 from .words import coherent, number
 
@@ -185,7 +186,7 @@ def assumption_section(result: StabilityResult) -> Section:
 
 
 def solver_section(
-    result: StabilityResult, figures: Iterable[Figure], maps: Iterable[EigenvalueMap] = ()
+    result: StabilityResult, figures: Iterable[Figure], maps: Iterable[Plane] = ()
 ) -> Section:
     """List how each computation ended."""
     found = "isolated" if result.point.isolated else "one of many: a state is free"
@@ -195,7 +196,8 @@ def solver_section(
         rows.append(
             (f"locus over {locus.name}", f"{good} of {len(locus.values)} points", _reasons(locus))
         )
-    for item in maps:
+    for shown in maps:
+        item = shown.points
         told = "; ".join(f"{label}: {count}" for label, count in item.counts().items())
         good = f"{int(item.ok.sum())} of {len(item)} points"
         rows.append((f"map of {' and '.join(item.axes)}", good, told))

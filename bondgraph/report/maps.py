@@ -3,12 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy
 
 from ..errors import ParameterError
 from ..plot import damping_map, least_damping, pretty, stability_map
-from ..stability import EigenvalueMap, PointOutcome, StabilityResult, Vary, eigenvalue_map
+from ..stability import (
+    Boundary,
+    Edge,
+    EigenvalueMap,
+    PointOutcome,
+    StabilityResult,
+    Vary,
+    eigenvalue_map,
+)
+from ..stability.continuation import boundaries
 from ..units import from_si
 from .blocks import Bullets, Figure, Panel, Section, Text
 from .words import coherent, number, slug
@@ -17,10 +27,37 @@ from .words import coherent, number, slug
 MOST = 200
 
 
+@dataclass(frozen=True, eq=False)
+class Plane:
+    """What is known over two parameters.
+
+    Attributes
+    ----------
+    points : EigenvalueMap
+        Of a product of both ranges.
+    boundaries : tuple of Boundary
+        Edges of stability followed through the plane.
+    notes : tuple of str
+        Edges that could not be followed.
+    """
+
+    points: EigenvalueMap
+    boundaries: tuple[Boundary, ...]
+    notes: tuple[str, ...]
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The parameter across, and the one upwards."""
+        return tuple(self.points.axes)
+
+
 def plane(
     result: StabilityResult, across: Vary, upwards: Vary, modes: Mapping[str, str] | None = None
-) -> EigenvalueMap:
-    """Map the eigenvalues of a model over two ranges, all else as in a result.
+) -> Plane:
+    """Map the eigenvalues of a model over two ranges, and follow the edges through them.
+
+    All else is as in the result. Edges are followed from where they stand along both parameters,
+    through the operating point.
 
     Parameters
     ----------
@@ -32,7 +69,7 @@ def plane(
 
     Returns
     -------
-    EigenvalueMap
+    Plane
 
     Raises
     ------
@@ -44,8 +81,9 @@ def plane(
     >>> from bondgraph.models import mass_on_belt
     >>> from bondgraph.stability import assess
     >>> result = assess(mass_on_belt.graph())
-    >>> plane(result, Vary("v_b", 0.1, 0.5, 10), Vary("v_s", 0.05, 0.2, 8)).shape
-    (10, 8)
+    >>> found = plane(result, Vary("v_b", 0.1, 0.5, 10), Vary("v_s", 0.05, 0.2, 8))
+    >>> found.points.shape, [curve.kind for curve in found.boundaries]
+    ((10, 8), ['hopf'])
     """
     if across.name == upwards.name:
         raise ParameterError(f"map {across.name!r}: a map needs two different names")
@@ -54,19 +92,44 @@ def plane(
         for item in (across, upwards)
     }
     given, point = result.overrides, result.point
-    return eigenvalue_map(result.graph, axes, given, point.inputs, modes, product=True)
+    found = eigenvalue_map(result.graph, axes, given, point.inputs, modes, product=True)
+    ranges = (across.in_si(found.units[across.name]), upwards.in_si(found.units[upwards.name]))
+    edges = {item.name: _edges(result, item) for item in ranges}
+    curves, notes = boundaries(result.graph, edges, ranges, given)
+    return Plane(found, curves, notes)
 
 
-def stability_maps(
+def _edges(result: StabilityResult, over: Vary) -> list[Edge]:
+    """Return the edges along one parameter, through the operating point, as far as they are known."""
+    for locus in result.loci:
+        if locus.name == over.name:
+            return list(locus.edges)
+    low, high = sorted((over.lo, over.hi))
+    sides = [(item.below, item.above) for item in result.margins if item.parameter == over.name]
+    return [edge for pair in sides for edge in pair if edge is not None and low < edge.value < high]
+
+
+def stability_planes(
     result: StabilityResult,
     pairs: Sequence[tuple[Vary, Vary]],
     modes: Mapping[str, str] | None = None,
-) -> tuple[EigenvalueMap, ...]:
-    """Map several pairs of ranges, see `plane`."""
+) -> tuple[Plane, ...]:
+    """Map several pairs of ranges, see `plane`.
+
+    Parameters
+    ----------
+    result : StabilityResult
+    pairs : sequence of (Vary, Vary)
+    modes : mapping of str to str, optional
+
+    Returns
+    -------
+    tuple of Plane
+    """
     return tuple(plane(result, across, upwards, modes) for across, upwards in pairs)
 
 
-def map_section(result: StabilityResult, maps: Sequence[EigenvalueMap]) -> Section | None:
+def map_section(result: StabilityResult, maps: Sequence[Plane]) -> Section | None:
     """Show each map twice: by the least damping ratio, and by the leading frequency."""
     if not maps:
         return None
@@ -75,17 +138,20 @@ def map_section(result: StabilityResult, maps: Sequence[EigenvalueMap]) -> Secti
             "Two parameters vary at a time, all others stay as in the table of parameters. Each "
             "point of a map has a steady state and modes of its own. First plot: the damping ratio "
             "of its least damped mode. Blue: small motions die away; orange: they grow. "
-            "The black line is the edge between them, the cross is the operating point. Second "
+            "The black line is the edge between them (dashed where the vibration behind it "
+            "starts softly, dotted where a further mode changes while another grows already), the "
+            "cross is the operating point. Second "
             "plot: the frequency of the oscillation with the largest growth rate; the unstable "
             "part is hatched."
         )
     ]
-    for found in maps:
-        blocks += [_figure(result, found), *_failures(found)]
+    for item in maps:
+        blocks += [_figure(result, item), *_failures(item)]
     return Section("Maps", tuple(blocks))
 
 
-def _figure(result: StabilityResult, found: EigenvalueMap) -> Figure:
+def _figure(result: StabilityResult, shown: Plane) -> Figure:
+    found = shown.points
     names = list(found.axes)
     here = {**result.point.inputs, **result.point.parameters}
     at = {name: float(here[name]) for name in names if name in here}
@@ -93,7 +159,6 @@ def _figure(result: StabilityResult, found: EigenvalueMap) -> Figure:
     name = "-".join(map(slug, names))
     title = f"{names[1]} over {names[0]}"
     numbers = _numbers(found)
-    boundaries = getattr(result, "boundaries", ())
     stable, solved = int(found.stable.sum()), int(found.ok.sum())
     where = ", ".join(
         f"{key} = {number(from_si(value, found.units[key]))} {pretty(found.units[key])}".strip()
@@ -107,24 +172,47 @@ def _figure(result: StabilityResult, found: EigenvalueMap) -> Figure:
         found.axes[key].min() <= value <= found.axes[key].max() for key, value in marked.items()
     )
     told += "." if inside else ", beyond the frame."
+    told += "".join(f" {words}" for words in _specials(shown))
     return Figure(
         f"{title}.",
         (
             Panel(
                 f"map-{name}-damping",
-                damping_map(found, at=marked, boundaries=boundaries),
+                damping_map(found, at=marked, boundaries=shown.boundaries),
                 f"Least damping ratio, {title}; {stable} of {solved} points stable",
                 numbers,
             ),
             Panel(
                 f"map-{name}",
-                stability_map(found, at=marked, boundaries=boundaries),
+                stability_map(found, at=marked, boundaries=shown.boundaries),
                 f"Frequency of the leading mode and unstable region, {title}",
                 numbers,
             ),
         ),
         told,
     )
+
+
+SPECIALS = {
+    "bautin": "the onset changes between soft and hard",
+    "bogdanov-takens": "the frequency falls to zero",
+    "cusp": "two folds meet",
+}
+
+
+def _specials(shown: Plane) -> list[str]:
+    """Say what the rings on a map are."""
+    told = []
+    for curve in shown.boundaries:
+        for point in curve.special:
+            where = ", ".join(
+                f"{name} = {number(from_si(value, unit), 4)} {pretty(unit)}".strip()
+                for name, value, unit in zip(
+                    curve.parameters, point.values, curve.units, strict=True
+                )
+            )
+            told.append(f"Ring at {where}: {SPECIALS.get(point.kind, point.kind)}.")
+    return told
 
 
 def _numbers(found: EigenvalueMap) -> dict[str, numpy.ndarray]:
@@ -142,11 +230,15 @@ def _numbers(found: EigenvalueMap) -> dict[str, numpy.ndarray]:
     }
 
 
-def _failures(found: EigenvalueMap) -> list[object]:
-    """Say at how many points there is no result, and why at the first of them."""
+def _failures(shown: Plane) -> list[object]:
+    """Say at how many points there is no result, why at the first, and what was not followed."""
+    found = shown.points
     counts = found.counts()
     told = tuple(
         f"{counts[outcome.label]} points: {outcome.label}; the first: {reason}"
         for outcome, reason in found.reasons.items()
     )
-    return [Text("Grey points have no result:"), Bullets(told)] if told else []
+    blocks: list[object] = [Text("Grey points have no result:"), Bullets(told)] if told else []
+    if shown.notes:
+        blocks += [Text("Boundaries that could not be followed:"), Bullets(shown.notes)]
+    return blocks

@@ -87,11 +87,11 @@ def _feeds(mode: Mode) -> str:
     return ", ".join(shown[: 2 * CARRIERS])
 
 
-def locus_section(loci: Sequence[Locus]) -> Section | None:
-    """Show the eigenvalues along each varied parameter, with their edges."""
+def locus_section(loci: Sequence[Locus], said: Sequence[str] = ()) -> Section | None:
+    """Show the eigenvalues along each varied parameter, with their edges, after what is said."""
     if not loci:
         return None
-    blocks: list[object] = []
+    blocks: list[object] = [Text(sentence) for sentence in said]
     for locus in loci:
         blocks.append(_locus_figure(locus))
         if locus.crossings:

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+from ..plot import pretty
 from ..stability import Edge, Effect, StabilityResult
+from ..units import from_si
+from .words import number
 
 # Effects are told for parameters that change by this share of themselves.
 CHANGE = 0.1
 # How a vibration starts behind an edge; where the cubic term is zero it does not say.
 ONSETS = {"soft": "soft", "hard": "hard", "degenerate": "onset undecided"}
+# Factors up to this are told in percent.
+FAR = 3.0
 # What moves the mode by less than this share of what the first parameter does is not worth a row.
 WORTH_SAYING = 1e-3
 
@@ -29,10 +34,10 @@ def headline(result: StabilityResult) -> str:
 
 
 def opening(result: StabilityResult) -> tuple[list[str], list[str]]:
-    """Part the verdict into two sentences that come first, and the rest.
+    """Return two sentences that come first, and what the verdict says besides.
 
-    The first says whether it is stable; the second how far the nearest edge is, or where none
-    is known what feeds and drains the critical mode.
+    The first says whether it is stable; the second which smallest change of one parameter leads
+    to the edge of stability, or where none is known what feeds and drains the critical mode.
 
     Parameters
     ----------
@@ -46,24 +51,56 @@ def opening(result: StabilityResult) -> tuple[list[str], list[str]]:
     --------
     >>> from bondgraph.models import mass_on_belt
     >>> from bondgraph.stability import assess
-    >>> opening(assess(mass_on_belt.graph()))[0][1]
-    'contact feeds it with 1.67 1/s, damper takes 0.1 1/s out of it.'
+    >>> shown, rest = opening(assess(mass_on_belt.graph()))
+    >>> shown[1], rest
+    ('It becomes stable when mu_s is lowered by 35.3 % to 0.258963.', ['contact feeds it ...'])
     """
     sentences = result.verdict.splitlines()
-    first, others = sentences[:1], sentences[1:]
-    edges = [(locus, locus.nearest) for locus in result.loci]
-    distances = {
-        locus.name: _relative(edge.value, locus.at) for locus, edge in edges if edge is not None
-    }
-    second = others[:1]
-    if distances:
-        near = min(distances, key=distances.__getitem__)
-        second = [item for item in others if item.startswith(f"Along {near} ")][:1]
-    return first + second, [item for item in others if item not in second]
+    if result.margins:
+        return [*sentences[:1], nearest_edge(result)], sentences[1:]
+    return sentences[:2], sentences[2:]
 
 
-def _relative(value: float, at: float) -> float:
-    return abs(value - at) / (abs(at) or abs(value) or 1.0)
+def nearest_edge(result: StabilityResult) -> str:
+    """Say which smallest change of one parameter leads to the edge of stability.
+
+    Parameters
+    ----------
+    result : StabilityResult
+
+    Returns
+    -------
+    str
+        A sentence; empty where margins were not asked for.
+
+    Examples
+    --------
+    >>> from bondgraph.models import bicycle_brake
+    >>> from bondgraph.stability import assess
+    >>> nearest_edge(assess(bicycle_brake.graph()))
+    'The nearest edge of stability: V0 lowered by 64.2 % to 0.322324 m/s; there 200.5 Hz begin, hard.'
+    """
+    if not result.margins:
+        return ""
+    margin = result.margins[0]
+    edge, factor = margin.nearest, margin.factor
+    if edge is None or factor is None:
+        return "No parameter has an edge of stability between a tenth and ten times its value."
+    unit = f" {pretty(margin.unit)}" if margin.unit else ""
+    value = f"{number(from_si(edge.value, margin.unit))}{unit}"
+    change = f"{margin.parameter} {'lowered' if factor < 1 else 'raised'} {_by(factor)} to {value}"
+    if result.stable:
+        return f"The nearest edge of stability: {change}; there {onset_words(edge)}."
+    if max(mode.growth for mode in result.rows) > 0:
+        return f"It becomes stable when {change.replace(' ', ' is ', 1)}."
+    return f"The nearest edge of stability: {change}."
+
+
+def _by(factor: float) -> str:
+    """Write a factor as a change: in percent while that is easy to grasp."""
+    if 1 / FAR <= factor <= FAR:
+        return f"by {abs(factor - 1):.1%}".replace("%", " %")
+    return f"{1 / factor if factor < 1 else factor:.3g} times"
 
 
 def ranked(result: StabilityResult) -> tuple[Effect, ...]:
@@ -83,7 +120,7 @@ def ranked(result: StabilityResult) -> tuple[Effect, ...]:
     >>> from bondgraph.models import mass_on_belt
     >>> from bondgraph.stability import assess
     >>> ranked(assess(mass_on_belt.graph()))[0].parameter
-    'N'
+    'mu_s'
     """
     if result.critical is None:
         return ()
@@ -109,11 +146,11 @@ def advice(result: StabilityResult) -> str:
     >>> from bondgraph.models import mass_on_belt
     >>> from bondgraph.stability import assess
     >>> advice(assess(mass_on_belt.graph()))
-    'The critical mode is calmed most by lowering mu_s (by ... 1/s for 10 %), then by ...'
+    'The critical mode is calmed most by lowering mu_s (0.446 1/s less for 10 %), then by ...'
     """
     told = [
         f"{'lowering' if item.growth(CHANGE) > 0 else 'raising'} {item.parameter} "
-        f"(by {abs(item.growth(CHANGE)):.3g} 1/s for 10 %)"
+        f"({abs(item.growth(CHANGE)):.3g} 1/s less for 10 %)"
         for item in ranked(result)[:3]
     ]
     if not told:
@@ -137,9 +174,9 @@ def onset_words(edge: Edge) -> str:
     >>> from bondgraph.models import bicycle_brake
     >>> from bondgraph.stability import assess
     >>> onset_words(assess(bicycle_brake.graph(), vary=["V0=0.3:0.9:20"]).edges[0])
-    '200.5 Hz, hard'
+    '200.5 Hz begin, hard'
     """
     if edge.kind != "hopf":
-        return "a drift without swinging"
+        return "a drift without swinging begins"
     kind = "" if edge.onset is None else f", {ONSETS.get(edge.onset.kind, edge.onset.kind)}"
-    return f"{edge.frequency_hz:.4g} Hz{kind}"
+    return f"{edge.frequency_hz:.4g} Hz begin{kind}"

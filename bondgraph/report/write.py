@@ -7,14 +7,14 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from ..equations import derive
-from ..stability import EigenvalueMap, StabilityResult
+from ..stability import StabilityResult
 from . import contents, spectrum
 from .blocks import Section
 from .causality import causality_section
 from .changing import changing_section
 from .deciding import deciding_section
 from .folder import drawn, write_folder
-from .maps import map_section
+from .maps import Plane, map_section
 from .page import Heading, render
 from .summary import headline, opening
 
@@ -24,7 +24,7 @@ def write_report(
     folder: str | Path,
     sections: Iterable[Section] = (),
     description: str = "",
-    maps: Sequence[EigenvalueMap] = (),
+    maps: Sequence[Plane] = (),
 ) -> Path:
     """Write a report: ``index.html``, ``stability.json``, and ``plots/`` with SVG and CSV.
 
@@ -39,8 +39,8 @@ def write_report(
         The model's own, shown after the plots of eigenvalues.
     description : str
         What the model is, in paragraphs; the first stands below the title.
-    maps : sequence of EigenvalueMap
-        Products of two axes, as `bondgraph.report.plane` makes them.
+    maps : sequence of Plane
+        As `bondgraph.report.plane` makes them.
 
     Returns
     -------
@@ -84,19 +84,20 @@ def _chapters(
     result: StabilityResult,
     own: list[Section],
     description: str,
-    maps: Sequence[EigenvalueMap],
+    maps: Sequence[Plane],
     rest: list[str],
 ) -> list[Section]:
     """Gather all sections in order: what a reader wants to know first stands first."""
     equations = derive(result.graph)
     figures = [figure for section in own for figure in section.figures]
+    distances = [item for item in rest if item.startswith("Along ")]
     chapters: list[Section | None] = [
-        deciding_section(result, rest),
+        deciding_section(result, [item for item in rest if item not in distances]),
         changing_section(result),
         spectrum.eigenvalue_section(result),
         contents.point_section(result),
         contents.parameter_section(result),
-        spectrum.locus_section(result.loci),
+        spectrum.locus_section(result.loci, distances),
         map_section(result, maps),
         *own,
         None if own else spectrum.friction_section(result),
