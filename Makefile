@@ -1,6 +1,7 @@
-# make demo   install into .venv and write the brake's stability report into out/
-# make test   install with test extras; lint, types, import contracts, tests
-# make bench  the races of tests/benchmarks; bench-discovery: discover on sealed cases
+# make demo     install into .venv and write the brake's stability report into out/
+# make reports  stability reports on all models of the library, with an index, into out/reports/
+# make test     install with test extras; lint, types, import contracts, tests
+# make bench    the races of tests/benchmarks; bench-discovery: discover on sealed cases
 
 PYTHON ?= $(shell for p in python3.11 python3 python3.12 python3.13 python3.14; do \
 	$$p -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null && echo $$p && break; done)
@@ -14,14 +15,17 @@ ARGS ?=
 unexport PYTHONDONTWRITEBYTECODE
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test lint types imports pytest format bench bench-discovery clean distclean
+.PHONY: help demo reports test lint types imports pytest format bench bench-discovery clean distclean
 
 help:
-	@sed -n 's/^# //p' Makefile | head -3
+	@sed -n 's/^# //p' Makefile | head -4
 
 demo: $(VENV)/.installed
 	$(BIN)/bondgraph stability bicycle_brake --report out/
 	@for page in out/*.html; do test -s "$$page" && echo "report: $(CURDIR)/$$page" || exit 1; done
+
+reports: $(VENV)/.installed
+	$(BIN)/bondgraph reports out/reports
 
 test: lint types imports pytest
 

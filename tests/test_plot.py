@@ -195,8 +195,8 @@ class TestStabilityMap:
     def test_boundary_hatching_and_frequency(self):
         found, ax = self.axes_of(V0=np.linspace(0.3, 1.5, 25), v_s=np.linspace(0.04, 0.2, 17))
         assert (ax.get_xlabel(), ax.get_ylabel()) == ("V0 [m/s]", "v_s [m/s]")
-        line = [c for c in ax.collections if c.get_facecolor().size == 0 and len(c.get_paths())]
-        points = np.concatenate([p.vertices for c in line for p in c.get_paths()])
+        (line,) = [line for line in ax.lines if line.get_label() == "_edge"]
+        points = line.get_xydata()
         # unstable below v_s ln(N dmu/(v_s |c_H|)), c_H = -7.137493 N s/m
         edge = points[:, 1] * np.log(225 / (points[:, 1] * 7.137493))
         assert np.abs(points[:, 0] - edge).max() < 0.02

@@ -271,6 +271,9 @@ def _finish(
         (ax.set_xlabel, ax.set_ylabel), found.units.items(), strict=True
     ):
         set_label(f"{name} [{pretty(unit or '1')}]")
+    # the outer half cells are cut off, and what stands alone still has the map's frame
+    ax.set_xlim(scales[0].min(), scales[0].max())
+    ax.set_ylim(scales[1].min(), scales[1].max())
     crossed = at is not None and _cross(ax, found, scales, at)
     _key(ax, lines, hatched=hatched, cross=crossed, gaps=not known.all())
 
@@ -280,13 +283,6 @@ def _boundaries(
 ) -> dict[str, dict[str, Any]]:
     """Draw the curves that belong to these axes; return the kinds drawn, with their dress."""
     names, drawn = list(found.axes), {}
-    limits = [
-        (
-            from_si(float(scale.min()), found.units[name]),
-            from_si(float(scale.max()), found.units[name]),
-        )
-        for name, scale in found.axes.items()
-    ]
     for curve in boundaries:
         if sorted(curve.parameters) != sorted(names):
             continue
@@ -306,9 +302,6 @@ def _boundaries(
                 for name in names
             ]
             ax.plot(*place, "o", ms=6, color=EDGE, mfc="white", label="_special", zorder=4)
-    if drawn:
-        ax.set_xlim(*limits[0])
-        ax.set_ylim(*limits[1])
     return {kind: KINDS[kind] for kind in KINDS if kind in drawn}
 
 

@@ -94,7 +94,7 @@ def _margins(result: StabilityResult) -> list[object]:
             "edge below",
             "edge above",
             "nearest",
-            "there begins",
+            "there",
             "meaning",
         )
         caption = (

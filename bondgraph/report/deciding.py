@@ -110,6 +110,8 @@ def _reading(mode: Mode) -> str:
         "How to read it: an element takes part as far as its state moves in the mode and the mode "
         "answers to it (participation factors, 100 % in all). Elements below 0.1 % are left out."
     )
+    if mode.energies and not mode.feeds:
+        return f"{text} Nothing feeds or drains this mode."
     if not mode.feeds:
         return f"{text} The energy of this mode cannot be told, so neither can what feeds it."
     text += (

@@ -173,24 +173,26 @@ def _figure(result: StabilityResult, shown: Plane) -> Figure:
     )
     told += "." if inside else ", beyond the frame."
     told += "".join(f" {words}" for words in _specials(shown))
-    return Figure(
-        f"{title}.",
-        (
-            Panel(
-                f"map-{name}-damping",
-                damping_map(found, at=marked, boundaries=shown.boundaries),
-                f"Least damping ratio, {title}; {stable} of {solved} points stable",
-                numbers,
-            ),
+    panels = [
+        Panel(
+            f"map-{name}-damping",
+            damping_map(found, at=marked, boundaries=shown.boundaries),
+            f"Least damping ratio, {title}; {stable} of {solved} points stable",
+            numbers,
+        )
+    ]
+    if numpy.isfinite(found.frequency_hz).any():
+        panels.append(
             Panel(
                 f"map-{name}",
                 stability_map(found, at=marked, boundaries=shown.boundaries),
                 f"Frequency of the leading mode and unstable region, {title}",
                 numbers,
-            ),
-        ),
-        told,
-    )
+            )
+        )
+    else:
+        told += " Nothing oscillates, so there is no plot of frequencies."
+    return Figure(f"{title}.", tuple(panels), told)
 
 
 SPECIALS = {

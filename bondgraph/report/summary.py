@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy
+
 from ..plot import pretty
 from ..stability import Edge, Effect, StabilityResult
 from ..units import from_si
@@ -124,10 +126,21 @@ def ranked(result: StabilityResult) -> tuple[Effect, ...]:
     """
     if result.critical is None:
         return ()
-    index = next(k for k, mode in enumerate(result.rows) if mode is result.critical)
-    found = result.sensitivities.ranked(index, derived=False, by="growth")
+    found = result.sensitivities.ranked(_index(result), derived=False, by="growth")
     largest = abs(found[0].growth(CHANGE)) if found else 0.0
     return tuple(item for item in found if abs(item.growth(CHANGE)) > WORTH_SAYING * largest)
+
+
+def _index(result: StabilityResult) -> int:
+    """Return the place of the critical mode; there is one."""
+    return next(k for k, mode in enumerate(result.rows) if mode is result.critical)
+
+
+def _slopes(result: StabilityResult) -> numpy.ndarray:
+    """Return the derivatives of the critical eigenvalue."""
+    if result.critical is None:
+        return numpy.zeros(0)
+    return numpy.asarray(result.sensitivities.derivatives[_index(result)])
 
 
 def advice(result: StabilityResult) -> str:
@@ -153,6 +166,8 @@ def advice(result: StabilityResult) -> str:
         f"({abs(item.growth(CHANGE)):.3g} 1/s less for 10 %)"
         for item in ranked(result)[:3]
     ]
+    if not told and not numpy.isfinite(_slopes(result)).all():
+        return "How parameters move the critical mode cannot be told by slopes."
     if not told:
         return "No parameter moves the growth rate of the critical mode."
     return f"The critical mode is calmed most by {', then by '.join(told)}."

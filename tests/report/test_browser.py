@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from bondgraph import models
-from bondgraph.report import write_report
-from bondgraph.stability import assess
+from bondgraph.cli.library import library_reports
 from tests.browser import DESKTOP, PAPER, PHONE, chromium, opened
 
 SCREENS = {"desktop": DESKTOP, "phone": PHONE}
@@ -21,11 +19,9 @@ def browser():
 
 @pytest.fixture(scope="module", params=["bicycle_brake", "quarter_car"])
 def report(request, tmp_path_factory):
-    module = getattr(models, request.param)
-    vary = getattr(module, "VARY", ()) or ["b_s=100:4000:40"]
-    figures = getattr(module, "figures", list)
-    folder = tmp_path_factory.mktemp(request.param)
-    return write_report(assess(module.graph(), vary=vary), folder, figures(), module.__doc__)
+    folder = tmp_path_factory.mktemp("reports")
+    (entry,) = library_reports(folder, [request.param])
+    return folder / entry.page
 
 
 @pytest.mark.parametrize("screen", SCREENS)
@@ -77,6 +73,16 @@ def test_paper_cuts_nothing_off(report, browser, tmp_path):
         assert all(right <= PAPER[0] + 0.5 for _, right, _, _ in tables)
         printed = found.page.pdf(path=tmp_path / "page.pdf", format="A4")
         assert printed.startswith(b"%PDF")
+
+
+def test_the_index_leads_to_its_report(report, browser):
+    index = report.parent.parent / "index.html"
+    for size in SCREENS.values():
+        with opened(browser, index, size) as found:
+            assert found.requests == [index.as_uri()] and not found.complaints
+            assert found.width <= size[0]
+            found.page.locator("h3 a").click()
+            assert found.page.url == report.as_uri()
 
 
 def test_contents_lead_to_their_chapters(report, browser):

@@ -13,9 +13,9 @@ import sympy
 from bondgraph import C, I, One, R, Se, assemble, models
 from bondgraph.errors import BondGraphError
 from bondgraph.plot import new_axes
-from bondgraph.report import Figure, Panel, Section, Table, Text, write_report
+from bondgraph.report import Figure, Panel, Section, Table, Text, stability_planes, write_report
 from bondgraph.report.words import number
-from bondgraph.stability import assess
+from bondgraph.stability import Vary, assess
 from tests.pages import Page
 
 BRAKE = models.bicycle_brake
@@ -27,7 +27,8 @@ def squeal(tmp_path_factory):
     result = assess(BRAKE.graph(), values, vary=BRAKE.VARY)
     folder = tmp_path_factory.mktemp("report")
     sections = BRAKE.figures(values)
-    page = write_report(result, folder, sections, BRAKE.__doc__)
+    maps = stability_planes(result, [(Vary("V0", 0.25, 1.5, 20), Vary("v_s", 0.02, 0.4, 15))])
+    page = write_report(result, folder, sections, BRAKE.__doc__, maps)
     return result, page, Page(page.read_text(encoding="utf-8")), sections
 
 
@@ -40,7 +41,9 @@ def columns(path):
 def test_the_page_stands_alone(squeal):
     _, path, page, _ = squeal
     text = path.read_text(encoding="utf-8")
-    assert re.findall(r"https?:|//[a-z]|@import|url\((?!#)", text) == []
+    inline = re.sub(r"data:image/png;base64,[A-Za-z0-9+/=\s]+", "", text)
+    assert len(inline) < len(text)  # maps are images within the page
+    assert re.findall(r"https?:|data:|//[a-z]|@import|url\((?!#)", inline) == []
     assert page.tags.isdisjoint({"script", "link", "img", "iframe", "object"})
 
 
@@ -50,7 +53,7 @@ def test_all_references_lead_somewhere(squeal):
     for link in page.links:
         if link.startswith("#"):
             assert link[1:] in page.ids, link
-        else:
+        elif not link.startswith("data:image/png;base64,"):
             assert (path.parent / link).is_file(), link
 
 
@@ -58,6 +61,8 @@ def test_every_plot_has_its_file_and_its_numbers(squeal):
     _, path, page, _ = squeal
     names = {file.stem for file in (path.parent / "plots").iterdir()}
     expected = {"locus-V0", "growth-V0", "fig4", "fig5", "run-phase", "run-time"}
+    expected |= {"mode-shares", "mode-feeds", "sensitivities"}
+    expected |= {"map-V0-v_s", "map-V0-v_s-damping"}
     expected |= {f"fig{k}-{kind}" for k in (6, 7, 8, 9) for kind in ("phase", "time")}
     assert names == expected
     for name in names:
@@ -67,7 +72,8 @@ def test_every_plot_has_its_file_and_its_numbers(squeal):
             "http://www.w3.org/1999/xlink",
         }
         table = columns(path.parent / "plots" / f"{name}.csv")
-        assert len(table) >= 2 and all("[" in heading for heading in table), name
+        words = {heading for heading in table if "[" not in heading}
+        assert len(table) >= 2 and words <= {"element", "parameter", "outcome"}, name
     assert "csv" in " ".join(page.links)
 
 
@@ -75,13 +81,16 @@ def test_the_chapters_are_in_order(squeal):
     _, path, page, _ = squeal
     titles = re.findall(r"<h2>(.*?)</h2>", path.read_text(encoding="utf-8"))
     assert titles == [
-        "Model",
-        "Parameters",
-        "Operating point",
+        "What decides it",
+        "What to change",
         "Eigenvalues",
+        "Operating point",
+        "Parameters",
         "How far the edge is",
+        "Maps",
         "Braking",
         "The paper&#x27;s figures",
+        "Model",
         "Equations",
         "Causality",
         "Warnings and assumptions",
@@ -111,9 +120,83 @@ def test_the_page_says_what_the_result_says(squeal):
     assert number(edge.value, 8) in page.text and number(edge.frequency_hz, 8) in page.text
 
 
+def section(path, title):
+    """Return the text of a chapter, with the table's cells by row."""
+    text = path.read_text(encoding="utf-8")
+    text = re.search(rf'<section id="{title}">.*?</section>', text, re.DOTALL)[0]
+    rows = re.findall(r'<tr><th scope="row"[^>]*><code>(.*?)</code></th>(.*?)</tr>', text)
+    return text, {
+        name: [re.sub("<.*?>", "", cell) for cell in re.findall(r"<td.*?</td>", cells)]
+        for name, cells in rows
+    }
+
+
+def test_the_heading_is_two_sentences(squeal):
+    result, path, _, _ = squeal
+    text = path.read_text(encoding="utf-8")
+    box = re.search(r'<div class="verdict bad">(.*?)</div>', text, re.DOTALL)[1]
+    first, second = re.findall(r"<p>(.*?)</p>", box)
+    assert first == result.verdict.splitlines()[0]
+    # mu_s, mu_k: the slope of the friction law at V0 is that of the critical slope 7.137493 N s/m,
+    # N0 (mu_s - mu_k) e^(-V0/v_s)/v_s with N0 = F_k/mu_k
+    mu_k = 0.5 / (1 + 7.137493 * 0.2 * np.exp(0.9 / 0.2) / 900)
+    assert (
+        second
+        == f"It becomes stable when mu_k is raised by {mu_k / 0.4 - 1:.1%} to 0.437531.".replace(
+            "%", " %"
+        )
+    )
+    assert mu_k == pytest.approx(0.437531, abs=5e-7)
+
+
+def test_what_feeds_and_drains_adds_up(squeal):
+    result, path, _, _ = squeal
+    _, rows = section(path, "what-decides-it")
+    feeds = [float(cells[2]) for cells in rows.values() if cells[2]]
+    assert sum(feeds) == pytest.approx(result.critical.eigenvalue.real, abs=0.1)
+    shares = [float(cells[0].rstrip("%")) for cells in rows.values() if cells[0]]
+    assert sum(shares) == pytest.approx(100, abs=0.2)
+    assert [name for name, cells in rows.items() if cells[2].startswith("+")] == ["friction"]
+
+
+def test_what_to_change_is_what_a_step_does(squeal):
+    result, path, _, _ = squeal
+    text, rows = section(path, "what-to-change")
+    assert "calmed most by lowering mu_s" in text
+    for name in ("mu_s", "V0", "v_s"):
+        value = result.point.parameters[name]
+        ends = [
+            assess(BRAKE.graph(), {**result.overrides, name: value * (1 + step)}, span=None)
+            for step in (1e-4, -1e-4)
+        ]
+        slope = (ends[0].critical.eigenvalue - ends[1].critical.eigenvalue) / 2e-4
+        # the first table of the two that hold the name is overwritten by the second: read both
+        cells = re.search(rf"<code>{name}</code></th>(.*?)</tr>", text)[1]
+        cells = [re.sub("<.*?>", "", cell) for cell in re.findall(r"<td.*?</td>", cells)]
+        assert float(cells[1]) == pytest.approx(0.1 * slope.real, rel=1e-3)
+        assert float(cells[2]) == pytest.approx(0.1 * slope.imag / (2 * np.pi), rel=1e-3)
+        assert cells[3] == ("lower it" if slope.real > 0 else "raise it")
+    assert rows["V0"][2] == "1.01204 m/s" and rows["V0"][4] == "200.5 Hz begin, hard"
+
+
+def test_maps_tell_the_points_in_long_form(squeal):
+    _, path, page, _ = squeal
+    table = columns(path.parent / "plots" / "map-V0-v_s.csv")
+    speed, width = (np.array(table[f"{name} [m/s]"], float) for name in ("V0", "v_s"))
+    assert len(speed) == 20 * 15 and set(table["outcome"]) == {"ok"}
+    # stable where the slope of the law stays below the critical one
+    slope = 900 / 0.4 * 0.1 * np.exp(-speed / width) / width
+    growing = np.array(table["growth rate [1/s]"], float) > 0
+    assert np.array_equal(growing, slope > 7.137493)
+    assert f"{300 - growing.sum()} of them stable" in page.text
+    ratio = np.array(table["least damping ratio [1]"], float)
+    assert np.array_equal(growing, ratio < 0)
+
+
 def test_parameters_stand_with_unit_meaning_and_source(squeal):
     result, path, page, _ = squeal
     text = path.read_text(encoding="utf-8")
+    text = re.search(r'<section id="parameters">.*?</section>', text, re.DOTALL)[0]
     row = re.search(r"<tr><th[^>]*><code>k_f</code>.*?</tr>", text)[0]
     cells = re.findall(r"<t[dh][^>]*>(.*?)</t[dh]>", row)
     meaning = "bending stiffness of the rear frame at the caliper"
