@@ -135,7 +135,16 @@ def test_json_is_the_contract():
     )
     assert np.array(data["A"]) == pytest.approx(result.system.A)
     (edge,) = data["edges"]
-    assert set(edge) == {"kind", "parameter", "value", "frequency_hz", "first_lyapunov", "onset"}
+    assert set(edge) == {
+        "kind",
+        "parameter",
+        "value",
+        "frequency_hz",
+        "first_lyapunov",
+        "onset",
+        "slopes",
+    }
+    assert edge["slopes"] == {"friction": pytest.approx(-7.137493, rel=1e-6)}
     assert (edge["kind"], edge["parameter"], edge["onset"]) == ("hopf", "V0", "hard")
 
 
@@ -156,11 +165,22 @@ def test_undamped_is_neither_stable_nor_unstable():
 
 
 def test_verdict_says_it_in_words():
-    words = assess(BRAKE, FIG9, vary=["V0=0.9:1.2:50"]).verdict
-    for part in ("unstable", "201.3 Hz", "wheel.rotor", "friction feeds", "1.01204 m/s", "12.4%"):
-        assert part in words, part
-    words = assess(BRAKE, vary=["V0=0.5:1.2:50"]).verdict
-    assert "stable at this" in words and "no edge from 0.5 to 1.2 m/s" in words
+    result = assess(BRAKE, FIG9, vary=["V0=0.9:1.2:50"])
+    first, second = result.verdict.splitlines()
+    for part in ("unstable", "201.3 Hz", "wheel.rotor"):
+        assert part in first, part
+    assert "mu_k has to rise by 9.4 % to 0.437531 to become stable" in second
+    assert any("V0 has to rise by 12.4 % to 1.01204 m/s" in sentence for sentence in result.advice)
+    decides = " ".join(result.reasons)
+    for part in (
+        "friction feeds",
+        "damper of -12.5",
+        "Along V0 the nearest edge is at 1.01204 m/s",
+    ):
+        assert part in decides, part
+    result = assess(BRAKE, vary=["V0=0.5:1.2:50"])
+    assert "stable at this" in result.verdict
+    assert "no edge from 0.5 to 1.2 m/s" in " ".join(result.reasons)
 
 
 def diode():

@@ -14,6 +14,7 @@ from .margins import Margin, margins
 from .modal import Mode, modal_table
 from .onset import Onset, onset
 from .sensitivity import Effect, Sensitivities, sensitivities
+from .slopes import incremental_resistances
 from .vary import Vary
 from .verdict import verdict
 
@@ -37,6 +38,7 @@ __all__ = [
     "Vary",
     "assess",
     "eigenvalue_map",
+    "incremental_resistances",
     "modal_table",
     "onset",
     "sensitivities",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -11,6 +12,7 @@ from ..graph import BondGraph
 from ..linear import LinearSystem, linearize_at
 from ..smooth import Smooth
 from ..steady import SteadyState, steady_state
+from .advice import advice
 from .continuation import Boundary, boundaries
 from .derivatives import Forms
 from .edges import Edge
@@ -18,8 +20,9 @@ from .locus import Locus, trace
 from .margins import SPAN, Margin, margins
 from .modal import Mode, modal_table
 from .sensitivity import Sensitivities, sensitivities
+from .slopes import incremental_resistances
 from .vary import Vary, as_vary
-from .verdict import critical, is_stable, verdict
+from .verdict import along, critical, is_stable, reasons, verdict
 
 SCHEMA = 1
 
@@ -44,7 +47,11 @@ class StabilityResult:
     boundaries : tuple of Boundary
         Edges followed in the planes asked for.
     verdict : str
-        Plain language, a sentence a line.
+        Two plain sentences, a line each: whether it is stable, and how far the edge is.
+    reasons : tuple of str
+        Sentences: what decides it.
+    advice : tuple of str
+        Sentences: what to change.
     warnings : tuple of str
     """
 
@@ -57,6 +64,8 @@ class StabilityResult:
     loci: tuple[Locus, ...]
     boundaries: tuple[Boundary, ...]
     verdict: str
+    reasons: tuple[str, ...]
+    advice: tuple[str, ...]
     warnings: tuple[str, ...]
 
     @property
@@ -103,7 +112,7 @@ class StabilityResult:
             "eigenvalues": [_eigenvalue(mode) for mode in self.rows],
             "stable": self.stable,
             "A": self.system.A.tolist(),
-            "edges": [_edge(edge) for edge in self.edges],
+            "edges": [_edge(edge) | _slopes(edge.point) for edge in self.edges],
             "modes": dict(self.point.modes),
             "carriers": [dict(mode.carriers) for mode in self.rows],
             "energies": [dict(mode.energies) for mode in self.rows],
@@ -112,6 +121,8 @@ class StabilityResult:
             "margins": [_margin(item) for item in self.margins],
             "boundaries": [item.to_json() for item in self.boundaries],
             "verdict": self.verdict,
+            "reasons": list(self.reasons),
+            "advice": list(self.advice),
             "warnings": list(self.warnings),
         }
 
@@ -174,16 +185,19 @@ def assess(
     moves = sensitivities(system, Forms(smooth), overrides)
     loci = tuple(trace(graph, point, item, parameters) for item in ranges)
     curves, notes = _boundaries(graph, loci, planes, overrides)
+    far = None if span is None else margins(graph, point, parameters, moves.moving(), span)
     return StabilityResult(
         graph,
         overrides,
         system,
         table,
         moves,
-        () if span is None else margins(graph, point, parameters, moves.moving(), span),
+        far or (),
         loci,
         curves,
-        verdict(system, table, loci),
+        verdict(system, table, far),
+        (*reasons(table, incremental_resistances(point)), *map(along, loci)),
+        advice(table, moves, far or ()),
         (*_warnings(point, loci), *moves.notes, *notes),
     )
 
@@ -247,6 +261,11 @@ def _eigenvalue(mode: Mode) -> dict[str, float | None]:
         "frequency_hz": mode.frequency_hz,
         "damping_ratio": mode.damping_ratio,
     }
+
+
+def _slopes(point: SteadyState) -> dict[str, dict[str, float | None]]:
+    found = incremental_resistances(point)
+    return {"slopes": {k: v if math.isfinite(v) else None for k, v in found.items()}}
 
 
 def _margin(margin: Margin) -> dict[str, Any]:

@@ -110,7 +110,7 @@ def margins(
     >>> graph = bicycle_brake.graph()
     >>> found = margins(graph, steady_state(graph), names=["V0", "v_s"])
     >>> [(item.parameter, round(item.nearest.value, 6)) for item in found]
-    [('v_s', 0.173838), ('V0', 0.322324)]
+    [('V0', 0.322324), ('v_s', 0.172881)]
     """
     overrides = {getattr(key, "name", key): value for key, value in (parameters or {}).items()}
     forms = Forms(Smooth(point.equations, graph, held=overrides))

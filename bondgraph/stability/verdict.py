@@ -8,6 +8,7 @@ from ..linear import LinearSystem
 from ..units import from_si
 from .edges import Edge
 from .locus import Locus
+from .margins import Margin
 from .modal import Mode
 
 # Contributions below this share of the largest are left out of the sentence.
@@ -16,20 +17,24 @@ WORTH_SAYING = 0.02
 FAR = 3.0
 
 
-def verdict(system: LinearSystem, modes: Sequence[Mode], loci: Iterable[Locus] = ()) -> str:
-    """Say whether a steady state is stable, what decides it and how far the edge is.
+def verdict(
+    system: LinearSystem, modes: Sequence[Mode], margins: Sequence[Margin] | None = None
+) -> str:
+    """Say in two sentences whether a steady state is stable and how far the edge is.
 
     Parameters
     ----------
     system : LinearSystem
     modes : sequence of Mode
         From `bondgraph.stability.modal_table`.
-    loci : iterable of Locus
+    margins : sequence of Margin, optional
+        Nearest first. Where they were not asked for, the second sentence says what feeds and
+        drains the mode instead.
 
     Returns
     -------
     str
-        A few plain sentences.
+        A sentence a line.
 
     Examples
     --------
@@ -45,8 +50,49 @@ def verdict(system: LinearSystem, modes: Sequence[Mode], loci: Iterable[Locus] =
     if not modes:
         return f"{system.at.equations.name} has no states: there is nothing to be unstable."
     mode = critical(modes)
-    sentences = [_state(system, modes, mode), *_balance(mode), *(_margin(item) for item in loci)]
-    return "\n".join(sentences)
+    second = balance(mode) if margins is None else [_edge_of(margins, is_stable(modes))]
+    return "\n".join([_state(system, modes, mode), *second])
+
+
+def reasons(modes: Sequence[Mode], slopes: Mapping[str, float]) -> tuple[str, ...]:
+    """Say what decides: who carries, feeds and drains the critical mode, and which law falls.
+
+    Parameters
+    ----------
+    modes : sequence of Mode
+    slopes : mapping of str to float
+        From `incremental_resistances`.
+
+    Returns
+    -------
+    tuple of str
+        Sentences.
+
+    Examples
+    --------
+    >>> mode = Mode(complex(1, 50), 1, {"m": 0.5, "k": 0.5}, {"m": 0.5, "k": 0.5}, {"belt": 1.0})
+    >>> for sentence in reasons([mode], {"belt": -2.0}):
+    ...     print(sentence)
+    The critical mode is carried by m (50 %) and k (50 %).
+    belt feeds it with 1 1/s.
+    The law of belt falls: for small motions it is a damper of -2 (SI), which feeds them.
+    """
+    if not modes:
+        return ()
+    mode = critical(modes)
+    said = []
+    if mode.elements:
+        told = [f"{name} ({mode.carriers[name]:.0%})".replace("%", " %") for name in mode.elements]
+        said.append(f"The critical mode is carried by {listed(told)}.")
+    said += balance(mode)
+    largest = max(map(abs, mode.telling.values()), default=0.0)
+    said += [
+        f"The law of {name} falls: for small motions it is a damper of {value:.4g} (SI), which "
+        f"feeds them."
+        for name, value in slopes.items()
+        if value < 0 and mode.telling.get(name, 0.0) > WORTH_SAYING * largest
+    ]
+    return tuple(said)
 
 
 def critical(modes: Sequence[Mode]) -> Mode:
@@ -137,7 +183,7 @@ def _modes_in_words(modes: Mapping[str, str]) -> str:
     return f" ({listed(said)})" if said else ""
 
 
-def _balance(mode: Mode) -> list[str]:
+def balance(mode: Mode) -> list[str]:
     """Say which elements feed the mode and which drain it; of a neutral mode there is nothing."""
     if mode.growth == 0:
         return []
@@ -157,8 +203,64 @@ def _balance(mode: Mode) -> list[str]:
     return [f"{text}."]
 
 
-def _margin(locus: Locus) -> str:
-    """Say how far the nearest edge along one parameter is."""
+def _edge_of(margins: Sequence[Margin], stable: bool) -> str:
+    """Say which parameter is nearest to its edge."""
+    nearest = next((item for item in margins if item.nearest is not None), None)
+    if nearest is None:
+        return (
+            "No single parameter, taken alone, "
+            + ("makes it unstable" if stable else "makes it stable")
+            + " within the factors searched."
+        )
+    edge = nearest.nearest
+    assert edge is not None
+    until = "to become unstable" if stable else "to become stable"
+    if edge.kind == "fold" and edge.unstable_above is None:
+        until = "for this steady state to vanish"
+    return f"The nearest edge: {way(nearest, edge)} {until} ({crossing(edge)})."
+
+
+def way(margin: Margin, edge: Edge) -> str:
+    """Say how far a parameter has to go to an edge.
+
+    Examples
+    --------
+    >>> import types
+    >>> edge = types.SimpleNamespace(value=1.2, unit="m/s")
+    >>> way(types.SimpleNamespace(parameter="V0", value=1.0, unit="m/s"), edge)
+    'V0 has to rise by 20.0 % to 1.2 m/s'
+    """
+    unit = f" {margin.unit}" if margin.unit else ""
+    value = from_si(edge.value, margin.unit)
+    ratio = edge.value / margin.value
+    sense = "rise" if abs(edge.value) > abs(margin.value) else "fall"
+    if ratio > FAR:
+        return f"{margin.parameter} has to rise to {ratio:.3g} times its value, {value:.6g}{unit}"
+    return f"{margin.parameter} has to {sense} by {100 * abs(ratio - 1):.1f} % to {value:.6g}{unit}"
+
+
+def crossing(edge: Edge) -> str:
+    """Say what happens at an edge."""
+    if edge.kind == "fold":
+        return "fold: a real mode" + (", the branch turns" if edge.unstable_above is None else "")
+    onset = {
+        "soft": ", soft: the vibration grows from nothing",
+        "hard": ", hard: the vibration is large at once",
+        "degenerate": ", neither soft nor hard in these equations",
+    }
+    return f"Hopf, {edge.frequency_hz:.5g} Hz{onset.get(edge.onset.kind, '') if edge.onset else ''}"
+
+
+def along(locus: Locus) -> str:
+    """Say how far the nearest edge along one varied parameter is.
+
+    Examples
+    --------
+    >>> from bondgraph.models import bicycle_brake
+    >>> from bondgraph.stability import assess
+    >>> along(assess(bicycle_brake.graph(), vary=["V0=0.5:1.2:50"]).loci[0])
+    'Along V0 there is no edge from 0.5 to 1.2 m/s.'
+    """
     unit = f" {locus.unit}" if locus.unit else ""
     low, high = (from_si(value, locus.unit) for value in (locus.values[0], locus.values[-1]))
     here = from_si(locus.at, locus.unit)
@@ -168,7 +270,7 @@ def _margin(locus: Locus) -> str:
     value = from_si(edge.value, locus.unit)
     return (
         f"Along {locus.name} the nearest edge is at {value:.6g}{unit}, {_distance(value, here)} "
-        f"({_kind(edge)}{_side(edge)}){_holes(locus)}."
+        f"({crossing(edge)}{_side(edge)}){_holes(locus)}."
     )
 
 
@@ -179,10 +281,6 @@ def _distance(value: float, here: float) -> str:
     if value / here > FAR:
         return f"{value / here:.3g} times the operating point's {here:.4g}"
     return f"{abs(value - here) / abs(here):.1%} {side} the operating point's {here:.4g}"
-
-
-def _kind(edge: Edge) -> str:
-    return f"Hopf, {edge.frequency_hz:.5g} Hz" if edge.kind == "hopf" else "fold, a real mode"
 
 
 def _side(edge: Edge) -> str:

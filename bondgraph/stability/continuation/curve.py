@@ -26,7 +26,7 @@ SINGULAR = 1e-12
 class Problem(Protocol):
     """Equations whose solutions form a curve."""
 
-    def __call__(self, y: Array) -> tuple[Array, Array]:
+    def __call__(self, y: Array, /) -> tuple[Array, Array]:
         """Return what is left of the equations, (n,), and its Jacobian, (n, n + 1)."""
 
 

@@ -105,7 +105,7 @@ def follow_path(
     >>> graph = bicycle_brake.graph()
     >>> family = Family(graph, steady_state(graph), ["V0"])
     >>> path = follow_path(family, 0.25, 1.5)
-    >>> [round(edge.value, 6) for edge in path.edges], path.ends
+    >>> [round(edge.value, 6) for edge in path.edges if edge.boundary], path.ends
     ([0.322324], ('limit', 'limit'))
     """
     low, high = min(low, high), max(low, high)
