@@ -51,7 +51,7 @@ def library_reports(folder: str | Path, names: Iterable[str] | None = None) -> t
 
 
 def _entry(folder: Path, name: str, description: str) -> Entry:
-    from bondgraph.report import Entry, headline, opening, stability_planes, write_report
+    from bondgraph.report import Entry, headline, stability_planes, write_report
     from bondgraph.stability import assess
 
     from .load import load_model, report_parts
@@ -63,6 +63,5 @@ def _entry(folder: Path, name: str, description: str) -> Entry:
         write_report(result, folder / name, parts.sections({}), parts.description, maps)
     except BondGraphError as error:
         return Entry(name, "", "No report", (str(error),), description, False)
-    shown, _ = opening(result)
-    page = f"{name}/index.html"
-    return Entry(name, page, headline(result), tuple(shown), description, result.stable)
+    shown, page = tuple(result.verdict.splitlines()), f"{name}/index.html"
+    return Entry(name, page, headline(result), shown, description, result.stable)

@@ -80,6 +80,7 @@ def stability(
         inputs=opt.read_settings(files, "--input"),
         modes=modes,
         vary=ranges or (parts.ranges if parts else []),
+        planes=_varied(pairs, ranges),
     )
     maps = stability_planes(result, pairs, modes)
     page = None
@@ -137,6 +138,12 @@ def _usual(own: list[tuple[Vary, Vary]], ranges: dict[str, Vary]) -> list[tuple[
     """Return what a report maps unless told: the first two varied, or the model's own pairs."""
     axes = [_axis(word, item) for word, item in ranges.items()]
     return [(axes[0], axes[1])] if len({item.name for item in axes[:2]}) == 2 else own
+
+
+def _varied(pairs: list[tuple[Vary, Vary]], ranges: list[Vary]) -> list[tuple[str, str]]:
+    """Return the names of pairs that are both varied: their edges are followed by the assessment."""
+    names = {item.name for item in ranges}
+    return [(x.name, y.name) for x, y in pairs if {x.name, y.name} <= names]
 
 
 def _axis(word: str, item: Vary) -> Vary:

@@ -19,15 +19,16 @@ ROWS = 6
 
 def stability_tables(result: StabilityResult, maps: Sequence[Plane] = ()) -> None:
     """Print a verdict for reading: what decides, what to change, then the tables."""
-    from bondgraph.report import headline, opening
+    from bondgraph.report import headline
+    from bondgraph.stability.verdict import along
 
     console = new_console()
-    shown, rest = opening(result)
+    distances = [along(locus) for locus in result.loci]
+    rest = [sentence for sentence in result.reasons if sentence not in distances]
     console.print(f"[bold]{headline(result)}[/bold]")
-    for sentence in shown:
+    for sentence in result.verdict.splitlines():
         console.print(sentence, soft_wrap=False, markup=False)
-    distances = [sentence for sentence in rest if sentence.startswith("Along ")]
-    _deciding(console, result.critical, [item for item in rest if item not in distances])
+    _deciding(console, result.critical, rest)
     _changing(console, result)
     _eigenvalues(console, result)
     _edges(console, result, distances)
@@ -48,18 +49,17 @@ def map_json(shown: Plane) -> dict[str, Any]:
         "shape": list(found.shape),
         "stable": int(found.stable.sum()),
         "outcomes": found.counts(),
-        "boundaries": [curve.to_json() for curve in shown.boundaries],
     }
 
 
 def _deciding(console: Console, mode: Mode | None, rest: list[str]) -> None:
-    for sentence in rest:
-        console.print(sentence, soft_wrap=False, markup=False)
     if mode is None:
         return
-    table = new_table(
-        "\nWhat decides it", "element", "takes part", "holds energy", "feeds (+), drains (-) [1/s]"
-    )
+    console.print("\n[bold]What decides it[/bold]")
+    for sentence in rest:
+        console.print(sentence, soft_wrap=False, markup=False)
+    table = new_table("", "element", "takes part", "holds energy", "feeds (+), drains (-) [1/s]")
+    table.title = None
     for column in table.columns[1:]:
         column.justify = "right"
     for name in _telling(mode):
@@ -80,13 +80,14 @@ def _telling(mode: Mode) -> list[str]:
 
 def _changing(console: Console, result: StabilityResult) -> None:
     from bondgraph.plot import pretty
-    from bondgraph.report import advice, ranked
+    from bondgraph.report import ranked, unmoved
     from bondgraph.units import from_si
 
     if result.critical is None:
         return
     console.print("\n[bold]What to change[/bold]")
-    console.print(advice(result), soft_wrap=False, markup=False)
+    if unmoved(result):
+        console.print(unmoved(result))
     effects = ranked(result)[:ROWS]
     if effects:
         edges = {item.parameter: item for item in result.margins if item.nearest is not None}

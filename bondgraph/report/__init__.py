@@ -7,7 +7,7 @@ with sections of its own, made of `Text`, `Bullets`, `Table` and `Figure`.
 from .blocks import Bullets, Figure, Panel, Section, Table, Text
 from .index import Entry, write_index
 from .maps import Plane, plane, stability_planes
-from .summary import advice, headline, opening, ranked
+from .summary import headline, ranked, unmoved
 from .write import write_report
 
 __all__ = [
@@ -19,12 +19,11 @@ __all__ = [
     "Section",
     "Table",
     "Text",
-    "advice",
     "headline",
-    "opening",
     "plane",
     "ranked",
     "stability_planes",
+    "unmoved",
     "write_index",
     "write_report",
 ]

@@ -8,7 +8,7 @@ from ..plot import pretty, sensitivity_bars
 from ..stability import Effect, Margin, StabilityResult
 from ..units import from_si
 from .blocks import Bullets, Figure, Panel, Section, Table, Text
-from .summary import CHANGE, advice, onset_words, ranked
+from .summary import CHANGE, onset_words, ranked, unmoved
 from .words import number
 
 
@@ -18,8 +18,10 @@ def changing_section(result: StabilityResult) -> Section | None:
         return None
     effects = ranked(result)
     notes = [Bullets(result.sensitivities.notes)] if result.sensitivities.notes else []
-    blocks: list[object] = [Text(advice(result))]
-    if effects:
+    blocks: list[object] = [Bullets(result.advice)] if result.advice else []
+    if not effects:
+        blocks.append(Text(unmoved(result)))
+    else:
         blocks += [_figure(result, effects), _table(effects), Text(_READING, "note")]
     return Section("What to change", (*blocks, *notes, *_margins(result)))
 

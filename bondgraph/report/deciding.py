@@ -8,7 +8,7 @@ import numpy
 
 from ..plot import feed_bars, share_bars
 from ..stability import Mode, StabilityResult
-from ..stability.verdict import duration
+from ..stability.verdict import along, duration
 from .blocks import Figure, Panel, Section, Table, Text
 from .words import number
 
@@ -16,24 +16,14 @@ from .words import number
 NEGLIGIBLE = 1e-3
 
 
-def deciding_section(result: StabilityResult, said: list[str]) -> Section:
-    """Describe the critical mode.
-
-    Parameters
-    ----------
-    result : StabilityResult
-    said : list of str
-        Sentences of the verdict that the page's heading has no room for.
-
-    Returns
-    -------
-    Section
-    """
+def deciding_section(result: StabilityResult) -> Section:
+    """Describe the critical mode."""
     mode = result.critical
-    sentences = [Text(sentence) for sentence in said]
     if mode is None:
         nothing = Text("Without states nothing can move, grow or decay.")
-        return Section("What decides it", (*sentences, nothing))
+        return Section("What decides it", (nothing,))
+    distances = [along(locus) for locus in result.loci]  # told beside the loci
+    sentences = [Text(sentence) for sentence in result.reasons if sentence not in distances]
     return Section(
         "What decides it",
         (

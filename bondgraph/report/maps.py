@@ -56,8 +56,8 @@ def plane(
 ) -> Plane:
     """Map the eigenvalues of a model over two ranges, and follow the edges through them.
 
-    All else is as in the result. Edges are followed from where they stand along both parameters,
-    through the operating point.
+    All else is as in the result. Edges are those that it followed in this plane, else they are
+    followed from where they stand along both parameters, through the operating point.
 
     Parameters
     ----------
@@ -93,6 +93,9 @@ def plane(
     }
     given, point = result.overrides, result.point
     found = eigenvalue_map(result.graph, axes, given, point.inputs, modes, product=True)
+    known = [curve for curve in result.boundaries if curve.parameters == tuple(found.axes)]
+    if known:
+        return Plane(found, tuple(known), ())
     ranges = (across.in_si(found.units[across.name]), upwards.in_si(found.units[upwards.name]))
     edges = {item.name: _edges(result, item) for item in ranges}
     curves, notes = boundaries(result.graph, edges, ranges, given)

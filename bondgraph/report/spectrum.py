@@ -9,7 +9,7 @@ import numpy
 from ..elements import Friction
 from ..plot import friction_curve, growth_rates, pretty, root_locus
 from ..stability import Edge, Locus, Mode, StabilityResult
-from ..stability.verdict import duration
+from ..stability.verdict import along, duration
 from ..units import from_si
 from .blocks import Figure, Panel, Section, Table, Text
 from .summary import ONSETS
@@ -87,13 +87,13 @@ def _feeds(mode: Mode) -> str:
     return ", ".join(shown[: 2 * CARRIERS])
 
 
-def locus_section(loci: Sequence[Locus], said: Sequence[str] = ()) -> Section | None:
-    """Show the eigenvalues along each varied parameter, with their edges, after what is said."""
+def locus_section(loci: Sequence[Locus]) -> Section | None:
+    """Show the eigenvalues along each varied parameter, with their edges."""
     if not loci:
         return None
-    blocks: list[object] = [Text(sentence) for sentence in said]
+    blocks: list[object] = []
     for locus in loci:
-        blocks.append(_locus_figure(locus))
+        blocks += [Text(along(locus)), _locus_figure(locus)]
         if locus.crossings:
             blocks += [_crossings(locus), Text(_CROSSING, "note")]
         else:

@@ -16,7 +16,7 @@ from .deciding import deciding_section
 from .folder import drawn, write_folder
 from .maps import Plane, map_section
 from .page import Heading, render
-from .summary import headline, opening
+from .summary import headline
 
 
 def write_report(
@@ -62,8 +62,8 @@ def write_report(
     ...     sorted(path.name for path in page.parent.iterdir())
     ['index.html', 'plots', 'stability.json']
     """
-    heading, rest = _heading(result, description)
-    chapters = _chapters(result, list(sections), description, maps, rest)
+    heading = _heading(result, description)
+    chapters = _chapters(result, list(sections), description, maps)
     drawings = drawn(chapters)
     texts = {
         "stability.json": json.dumps(result.to_json(), indent=1, allow_nan=False) + "\n",
@@ -72,12 +72,10 @@ def write_report(
     return write_folder(folder, chapters, drawings, texts) / "index.html"
 
 
-def _heading(result: StabilityResult, description: str) -> tuple[Heading, list[str]]:
-    """Return what stands on top, and the sentences of the verdict that do not fit there."""
-    shown, rest = opening(result)
+def _heading(result: StabilityResult, description: str) -> Heading:
     lede = " ".join(description.strip().partition("\n\n")[0].split())
-    title, kind = result.model, "Stability report"
-    return Heading(title, kind, headline(result), shown, result.stable, lede), rest
+    shown, kind = result.verdict.splitlines(), "Stability report"
+    return Heading(result.model, kind, headline(result), shown, result.stable, lede)
 
 
 def _chapters(
@@ -85,19 +83,17 @@ def _chapters(
     own: list[Section],
     description: str,
     maps: Sequence[Plane],
-    rest: list[str],
 ) -> list[Section]:
     """Gather all sections in order: what a reader wants to know first stands first."""
     equations = derive(result.graph)
     figures = [figure for section in own for figure in section.figures]
-    distances = [item for item in rest if item.startswith("Along ")]
     chapters: list[Section | None] = [
-        deciding_section(result, [item for item in rest if item not in distances]),
+        deciding_section(result),
         changing_section(result),
         spectrum.eigenvalue_section(result),
         contents.point_section(result),
         contents.parameter_section(result),
-        spectrum.locus_section(result.loci, distances),
+        spectrum.locus_section(result.loci),
         map_section(result, maps),
         *own,
         None if own else spectrum.friction_section(result),
