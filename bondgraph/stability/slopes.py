@@ -68,7 +68,7 @@ def incremental_resistances(point: SteadyState) -> dict[str, float]:
     )
     u = [point.inputs[symbol.name] for symbol in equations.inputs]
     p = [point.parameters[symbol.name] for symbol in equations.parameters]
-    found = casadi.DM(to_casadi(program)(0, point.vector, u, p)[0]).full().ravel().tolist()
+    found = casadi.DM(to_casadi(program)(0, point.vector, u, p)).full().ravel().tolist()
     return {
         name: float(value) if given else (1 / value if value else math.inf)
         for (name, (_, given)), value in zip(rows.items(), found, strict=True)

@@ -81,12 +81,22 @@ def _crossing(family: Family, frame: Frame, ends: Ends, order: int) -> tuple[flo
         rising = height(1.0) > 0
     except (BondGraphError, ValueError, RuntimeError):
         return None
-    crossing = family.eigenvalues(y)[order]
+    crossing = _which(family.eigenvalues(y), order, family.eigenvalues(ends[0]))
     ahead = frame.tangent(y, (ends[1] - ends[0]) / frame.scale)
     turns = ahead is None or (not crossing.imag and abs(ahead[-1]) < TURNS)
     upwards = bool(ends[1][-1] > ends[0][-1])
     above = None if turns else rising == upwards
     return share, described(family, y, crossing, above, frame.scale[:-1])
+
+
+def _which(poles: Array, order: int, before: Array) -> complex:
+    """Return the eigenvalue that crosses: not one that stood on the axis already."""
+    left = list(poles)
+    for still in before[growths(before) == 0]:
+        left.pop(int(numpy.argmin(numpy.abs(numpy.array(left) - still))))
+    return complex(
+        min(left, key=lambda pole: abs(pole.real - poles[order].real), default=poles[order])
+    )
 
 
 def _between(frame: Frame, ends: Ends, share: float) -> Array:

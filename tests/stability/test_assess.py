@@ -9,43 +9,17 @@ import time
 import numpy as np
 import pytest
 import sympy
-from scipy.optimize import brentq
 
 from bondgraph import C, I, One, R, Se, Sf, Zero, assemble, linearize, models, steady_state
 from bondgraph.errors import ParameterError
 from bondgraph.stability import Vary, assess, trace
 from bondgraph.stability.branch import Branch
 from bondgraph.stability.locus import track
+from tests.oracles.sliding import critical_slope, sliding_matrix, slope
 
 BRAKE = models.bicycle_brake.graph()
 FRAME = models.frame_brake.graph()
 FIG9 = {"mu_s": 0.5, "tau": 0.06, "v_s": 0.2}
-
-
-def sliding_matrix(c, zeta=0.05, k_f=350e3, k_w=90e3, f_f=300.0, f_w=200.0, r=0.08):
-    """Eq. 1 of the paper, linearised by hand about sliding with friction slope c."""
-    m_f, m_w = k_f / (2 * math.pi * f_f) ** 2, k_w / (2 * math.pi * f_w) ** 2
-    b_f, b_w = 2 * zeta * math.sqrt(k_f * m_f), 2 * zeta * math.sqrt(k_w * m_w)
-    j, k_t, b_t = m_w * r**2, k_w * r**2, b_w * r**2
-    return np.array(
-        [
-            [-(b_t + c * r**2) / j, c * r / j, k_t / j, 0],
-            [c * r / m_f, -(b_f + c) / m_f, 0, -k_f / m_f],
-            [-1, 0, 0, 0],
-            [0, 1, 0, 0],
-        ]
-    )
-
-
-def critical_slope(**values):
-    """Slope of friction at which sliding loses its stability, nearest to zero."""
-    return brentq(
-        lambda c: np.linalg.eigvals(sliding_matrix(c, **values)).real.max(), -30, 0, xtol=1e-13
-    )
-
-
-def slope(speed, v_s, drop=225.0):
-    return -drop / v_s * math.exp(-speed / v_s)
 
 
 @pytest.mark.parametrize(("v_s", "known"), [(0.05, 0.322324), (0.1, 0.575332), (0.2, 1.012035)])
