@@ -229,11 +229,12 @@ def _coloured(
     bar.set_label(label, color=INK)
     bar.ax.tick_params(colors=INK, labelsize=9, length=3)
     bar.outline.set_visible(False)
-    bar.formatter.set_useOffset(False)
     if two:  # each side of zero has a scale of its own
         ends = (norm.vmin, norm.vmin / 2, 0.0, norm.vmax / 2, norm.vmax)
         bar.set_ticks(ends, labels=[_short(end) for end in ends])
         bar.minorticks_off()
+    else:
+        bar.ax.ticklabel_format(axis="y", useOffset=False)
 
 
 def _short(value: float) -> str:
@@ -267,10 +268,8 @@ def _finish(
     lines = _boundaries(ax, found, boundaries)
     if (ratio[known] > 0).any() and (ratio[known] < 0).any():
         lines = {**_between(ax, scales, ratio), **lines}
-    for set_label, (name, unit) in zip(
-        (ax.set_xlabel, ax.set_ylabel), found.units.items(), strict=True
-    ):
-        set_label(f"{name} [{pretty(unit or '1')}]")
+    labels = [f"{name} [{pretty(unit or '1')}]" for name, unit in found.units.items()]
+    ax.set(xlabel=labels[0], ylabel=labels[1])
     # the outer half cells are cut off, and what stands alone still has the map's frame
     ax.set_xlim(scales[0].min(), scales[0].max())
     ax.set_ylim(scales[1].min(), scales[1].max())
@@ -374,7 +373,7 @@ def _key(
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 
-    mark = {"color": INK, "marker": "x", "ls": "none", "ms": 8, "mew": 2.0}
+    mark: dict[str, Any] = {"color": INK, "marker": "x", "ls": "none", "ms": 8, "mew": 2.0}
     kinds = (
         (hatched, Patch(facecolor="none", edgecolor=HATCH, lw=0, hatch="////", label="unstable")),
         *((True, Line2D([], [], label=kind, **dress)) for kind, dress in lines.items()),

@@ -6,9 +6,10 @@ import numpy
 
 from ..plot import pretty, sensitivity_bars
 from ..stability import Effect, Margin, StabilityResult
+from ..stability.advice import CHANGE
 from ..units import from_si
 from .blocks import Bullets, Figure, Panel, Section, Table, Text
-from .summary import CHANGE, onset_words, ranked, unmoved
+from .summary import onset_words, ranked, unmoved
 from .words import number
 
 

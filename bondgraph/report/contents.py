@@ -199,8 +199,8 @@ def solver_section(
     for shown in maps:
         item = shown.points
         told = "; ".join(f"{label}: {count}" for label, count in item.counts().items())
-        good = f"{int(item.ok.sum())} of {len(item)} points"
-        rows.append((f"map of {' and '.join(item.axes)}", good, told))
+        ended = f"{int(item.ok.sum())} of {len(item)} points"
+        rows.append((f"map of {' and '.join(item.axes)}", ended, told))
     for figure in figures:
         if figure.run is not None:
             rows.append((f"run of {figure.title}", figure.run.outcome.value, _run(figure)))
