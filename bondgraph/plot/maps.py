@@ -385,7 +385,7 @@ def _key(
         return
     ax.legend(
         handles=handles,
-        ncols=len(handles),
+        ncols=min(len(handles), 3),
         loc="lower left",
         bbox_to_anchor=(-0.02, 1.0),
         frameon=False,

@@ -127,7 +127,7 @@ def table(block: Table) -> str:
     '<div class="wide"><table>...<tr><td>&lt;b&gt;</td></tr></tbody></table></div>'
     """
     align = block.align.ljust(len(block.head), "l")
-    caption = f"<caption>{escape(block.caption)}</caption>" if block.caption else ""
+    caption = f"<caption><span>{escape(block.caption)}</span></caption>" if block.caption else ""
     head = "".join(
         f'<th scope="col"{_ALIGN[kind]}>{escape(word)}</th>'
         for word, kind in zip(block.head, align, strict=False)

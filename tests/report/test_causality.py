@@ -40,7 +40,7 @@ def rows(text, caption=None):
     chosen = next(
         table
         for table in tables
-        if (f"<caption>{caption}" in table if caption else "<caption>" not in table)
+        if (f"<caption><span>{caption}" in table if caption else "<caption>" not in table)
     )
     body = chosen.partition("<tbody>")[2]
     cells = [
