@@ -188,8 +188,6 @@ def _half(
     family = equations.family
 
     def within(y: Array) -> str | None:
-        if equations.kind == "hopf" and equations.omega(y) <= 0:
-            return STILL
         return family.leaves(equations.point(y))
 
     # the edge runs mostly along the second parameter: it was found across it
@@ -199,9 +197,13 @@ def _half(
     if tangent is not None and abs(tangent[-1]) < 1e-9:
         along[-2] = sense
     borders = {-2: ranges[0], -1: ranges[1]}
-    return follow(
+    if equations.kind == "hopf":
+        borders[-3] = (0.0, math.inf)
+    curve = follow(
         frame, equations.start, along, within, borders=borders, longest=STEP, most=MOST_POINTS
     )
+    still = equations.kind == "hopf" and curve.points[-1][-3] <= 1e-9 * equations.start[-3]
+    return replace(curve, end=STILL) if still else curve
 
 
 @dataclass(frozen=True, eq=False)
