@@ -23,7 +23,7 @@ GAP, HATCH = "#c3c7cd", "#2b2f3670"
 DECAY, GROWTH, MIDDLE = "#0072B2", "#D55E00", "#f7f7f5"
 EDGE = "#1c2026"
 # In cells: nearer than this a followed boundary is the edge that the points tell.
-BESIDE = 2.0
+BESIDE = 1.0
 BOUNDARY: dict[str, Any] = {"color": EDGE, "lw": 2.0}
 KINDS: dict[str, dict[str, Any]] = {
     "boundary": BOUNDARY,
@@ -391,6 +391,6 @@ def _key(
         frameon=False,
         fontsize=9,
         labelcolor=INK,
-        columnspacing=1.2,
-        handlelength=1.6,
+        columnspacing=0.9,
+        handlelength=1.3,
     )
