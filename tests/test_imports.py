@@ -44,7 +44,7 @@ def heavy_after(code):
     "arguments",
     [
         ["--help"],
-        *([name, "--help"] for name in ("stability", "simulate", "sweep", "discover")),
+        *([name, "--help"] for name in ("stability", "reports", "simulate", "sweep", "discover")),
     ],
 )
 def test_help_loads_nothing_heavy(arguments):

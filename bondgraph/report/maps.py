@@ -145,7 +145,7 @@ def map_section(result: StabilityResult, maps: Sequence[Plane]) -> Section | Non
             "starts softly, dotted where a further mode changes while another grows already), the "
             "cross is the operating point. Second "
             "plot: the frequency of the oscillation with the largest growth rate; the unstable "
-            "part is hatched."
+            "part is hatched, and where nothing oscillates it is white."
         )
     ]
     for item in maps:
