@@ -214,7 +214,7 @@ def _edge_of(margins: Sequence[Margin], stable: bool) -> str:
         )
     edge = nearest.nearest
     assert edge is not None
-    until = "to become unstable" if stable else "to become stable"
+    until = "for it to become unstable" if stable else "for it to become stable"
     if edge.kind == "fold" and edge.unstable_above is None:
         until = "for this steady state to vanish"
     return f"The nearest edge: {way(nearest, edge)} {until} ({crossing(edge)})."
@@ -280,7 +280,7 @@ def _distance(value: float, here: float) -> str:
         return f"{abs(value - here):.3g} {side} the operating point"
     if value / here > FAR:
         return f"{value / here:.3g} times the operating point's {here:.4g}"
-    return f"{abs(value - here) / abs(here):.1%} {side} the operating point's {here:.4g}"
+    return f"{100 * abs(value - here) / abs(here):.1f} % {side} the operating point's {here:.4g}"
 
 
 def _side(edge: Edge) -> str:

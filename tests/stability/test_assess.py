@@ -143,7 +143,7 @@ def test_verdict_says_it_in_words():
     first, second = result.verdict.splitlines()
     for part in ("unstable", "201.3 Hz", "wheel.rotor"):
         assert part in first, part
-    assert "mu_k has to rise by 9.4 % to 0.437531 to become stable" in second
+    assert "mu_k has to rise by 9.4 % to 0.437531 for it to become stable" in second
     assert any("V0 has to rise by 12.4 % to 1.01204 m/s" in sentence for sentence in result.advice)
     decides = " ".join(result.reasons)
     for part in (
