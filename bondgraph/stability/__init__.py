@@ -5,11 +5,11 @@ and which feed each mode, follows the eigenvalues along parameters, and says the
 result in words.
 """
 
+from ..linear import Mode, modal_table
 from .assess import StabilityResult, assess
 from .edges import Edge
 from .locus import Gap, Locus, trace
 from .maps import EigenvalueMap, PointOutcome, eigenvalue_map
-from .modal import Mode, modal_table
 from .vary import Vary
 from .verdict import verdict
 

@@ -7,12 +7,11 @@ from dataclasses import dataclass
 from typing import Any
 
 from ..graph import BondGraph
-from ..linear import LinearSystem, linearize_at
+from ..linear import LinearSystem, Mode, linearize_at, modal_table
 from ..smooth import Smooth
 from ..steady import SteadyState, steady_state
 from .edges import Edge
 from .locus import Locus, trace
-from .modal import Mode, modal_table
 from .vary import Vary, as_vary
 from .verdict import critical, is_stable, verdict
 

@@ -10,10 +10,9 @@ import casadi
 import numpy
 
 from ..errors import SteadyStateError
-from ..linear import linearize_at
+from ..linear import Mode, growths, linearize_at, modal_table
 from ..steady import SteadyState
 from .branch import Branch
-from .modal import Mode, growths, modal_table
 
 FOLD_ITERATIONS = 50
 BISECTIONS = 12

@@ -14,8 +14,8 @@ from ..codegen.program import Program
 from ..codegen.to_casadi import to_casadi
 from ..elements import OnePort, Storage
 from ..equations import Equations
-from ..linear import LinearSystem
 from ..steady import SteadyState
+from .system import LinearSystem
 
 # Beside the fastest eigenvalue, smaller real parts are rounding noise: the mode neither grows
 # nor decays.
