@@ -5,23 +5,19 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
-import casadi
 import numpy
-import sympy
 
-from ..codegen.program import Program
-from ..codegen.to_casadi import to_casadi
-from ..elements import OnePort, Storage
-from ..equations import Equations
-from ..steady import SteadyState
-from .system import LinearSystem
+from .balance import Balance
+from .damping import by_element, dominant
+
+if TYPE_CHECKING:
+    from .system import LinearSystem
 
 # Beside the fastest eigenvalue, smaller real parts are rounding noise: the mode neither grows
 # nor decays.
 NEUTRAL = 1e-13
-# Elements named as carrying a mode take part at least this much as the one that carries most.
-DOMINANT = 0.5
 
 
 @dataclass(frozen=True)
@@ -88,10 +84,7 @@ class Mode:
     @property
     def elements(self) -> tuple[str, ...]:
         """Elements that carry the mode, largest first."""
-        largest = max(self.carriers.values(), default=0.0)
-        return tuple(
-            name for name, share in self.carriers.items() if share >= DOMINANT * largest > 0
-        )
+        return dominant(self.carriers)
 
     @property
     def telling(self) -> Mapping[str, float]:
@@ -151,117 +144,14 @@ def modal_table(system: LinearSystem) -> tuple[Mode, ...]:
     poles = system.poles()
     shares = system.participation()
     vectors = system.shapes()
-    flows = _Variations(system.at) if len(poles) else None
+    flows = Balance(system.at) if len(poles) else None
     grow = growths(poles)
     return tuple(
         Mode(
             complex(pole),
             int(grow[index]),
-            _by_element(system.states, shares[:, index]),
+            by_element(system.states, shares[:, index]),
             *(flows.balance(vectors[:, index], complex(pole)) if flows else ({}, {})),
         )
         for index, pole in enumerate(poles)
     )
-
-
-def _by_element(states: tuple[str, ...], shares: numpy.ndarray) -> dict[str, float]:
-    """Sum the shares of the states of each element."""
-    totals: dict[str, float] = {}
-    for state, share in zip(states, shares, strict=True):
-        name = state.rpartition(".")[0] or state
-        totals[name] = totals.get(name, 0.0) + float(share)
-    return _largest_first(totals)
-
-
-def _largest_first(values: Mapping[str, float]) -> dict[str, float]:
-    # rounded, so that shares that are equal but for the last bit keep their order
-    return dict(sorted(values.items(), key=lambda item: -float(f"{item[1]:.9g}")))
-
-
-class _Variations:
-    """Small changes of efforts and flows about a point, as linear functions of the states.
-
-    In a mode the stored energy of the variations changes by what flows through
-    the other one-ports, so that each one's part in the growth rate is its power
-    divided by twice the energy.
-    """
-
-    def __init__(self, point: SteadyState) -> None:
-        equations = point.equations
-        elements = equations.graph.elements
-        self.storages = [name for name, element in equations.graph.of(Storage)]
-        self.others = [
-            name
-            for name, element in elements.items()
-            if isinstance(element, OnePort) and not isinstance(element, Storage)
-        ]
-        tails = {bond.tail for bond in equations.graph.bonds}
-        self.signs = [1.0 if name in tails else -1.0 for name in self.others]
-        rows = []
-        for name in self.storages:
-            element = elements[name]
-            assert isinstance(element, Storage)
-            rows += [_port(equations, name, element.coenergy, element)]
-            rows += [_port(equations, name, element.state, element)]
-        for name in self.others:
-            rows += [equations.ports[f"{name}.e"], equations.ports[f"{name}.f"]]
-        self.matrix = _jacobian(point, rows)
-
-    def balance(
-        self, vector: numpy.ndarray, pole: complex
-    ) -> tuple[dict[str, float], dict[str, float]]:
-        """Return each storage's share in a mode's energy, and each other port's in its growth."""
-        changes = (self.matrix @ vector).reshape(-1, 2)
-        split = len(self.storages)
-        works = (changes[:, 0].conj() * changes[:, 1]).real
-        energy = works[:split].sum() / 2
-        if not numpy.isfinite(works).all() or energy <= 0:
-            return {}, {}
-        held = {
-            name: float(work / (2 * energy))
-            for name, work in zip(self.storages, works[:split], strict=True)
-        }
-        parts = {
-            name: float(sign * work / (2 * energy))
-            for name, sign, work in zip(self.others, self.signs, works[split:], strict=True)
-        }
-        left = pole.real - sum(parts.values())
-        if abs(left) > 1e-6 * abs(pole):
-            parts["modulation"] = left
-        threshold = 1e-9 * abs(pole)
-        told = {name: part for name, part in parts.items() if abs(part) > threshold}
-        return _largest_first(held), _largest_first(told)
-
-
-def _port(equations: Equations, name: str, symbol: sympy.Symbol, element: Storage) -> sympy.Expr:
-    key = next(key for key, value in element.symbols.items() if value == symbol)
-    return equations.ports[f"{name}.{key}"]
-
-
-def _jacobian(point: SteadyState, rows: list[sympy.Expr]) -> numpy.ndarray:
-    """Differentiate expressions in the equations' variables by the states, at a point.
-
-    Algebraic variables follow the states.
-    """
-    equations = point.equations
-    program = Program.pruned(
-        "ports",
-        [
-            ("t", [equations.time]),
-            ("x", (*equations.states, *equations.algebraic)),
-            ("u", equations.inputs),
-            ("p", equations.parameters),
-        ],
-        equations.assignments,
-        {"rows": rows, "residuals": equations.residuals},
-    )
-    order = len(equations.states)
-    x = casadi.SX.sym("x", order + len(equations.algebraic))
-    u = [point.inputs[symbol.name] for symbol in equations.inputs]
-    p = [point.parameters[symbol.name] for symbol in equations.parameters]
-    found = [casadi.densify(casadi.jacobian(of, x)) for of in to_casadi(program)(0, x, u, p)]
-    ports, residuals = (part.full() for part in casadi.Function("slopes", [x], found)(point.vector))
-    if not equations.algebraic:
-        return ports
-    follow = numpy.linalg.solve(residuals[:, order:], -residuals[:, :order])
-    return ports[:, :order] + ports[:, order:] @ follow
