@@ -34,7 +34,7 @@ def static_gain(given: Realisation) -> Array:
         return given.direct[0].copy()
     scale, a = _balanced(given.A)
     b, c = given.B / scale[:, None], given.C * scale
-    turn, zeros = _deflated(a)
+    turn, zeros = deflated(a)
     a, b, c = turn.T @ a @ turn, turn.T @ b, c @ turn
     rest = slice(zeros, None)
     gain = given.direct[0].copy()
@@ -44,12 +44,11 @@ def static_gain(given: Realisation) -> Array:
             c[:, rest] = c[:, rest] + c[:, :zeros] @ x
             b[:zeros] = b[:zeros] - x @ b[rest]
         gain = gain - c[:, rest] @ numpy.linalg.solve(a[rest, rest], b[rest])
-    inner, outer = b[:zeros], c[:, :zeros]
-    slope = a[:zeros, :zeros]
-    for _ in range(zeros):  # C0 A0^k B0 / s^(k + 1), the highest power last
+    inner, outer, slope = b[:zeros], c[:, :zeros], a[:zeros, :zeros]
+    sizes = numpy.linalg.norm(outer, axis=1)[:, None] * numpy.linalg.norm(inner, axis=0)
+    for power in range(zeros):  # C0 A0^k B0 / s^(k + 1), the highest power last
         part = outer @ inner
-        terms = numpy.abs(outer) @ numpy.abs(inner)
-        counts = numpy.abs(part) > 1e3 * EPS * len(a) * terms.max(initial=0.0)
+        counts = numpy.abs(part) > 1e3 * EPS * len(a) * sizes * numpy.abs(a).max() ** power
         gain = numpy.where(counts, numpy.copysign(numpy.inf, part), gain)
         inner = slope @ inner
     return gain
@@ -62,15 +61,28 @@ def _balanced(a: Array) -> tuple[Array, Array]:
     return scale, scaled
 
 
-def _deflated(a: Array) -> tuple[Array, int]:
+def deflated(a: Array, size: float = 0.0) -> tuple[Array, int]:
     """Return an orthogonal matrix whose first columns span what decays to nothing under powers of A.
 
     That is the space of the eigenvalue zero, found by ranks: eigenvalues of a chain
     of integrators would be off by far more than rounding.
+
+    Parameters
+    ----------
+    a : (n, n) array
+        Balanced.
+    size : float
+        Entries are known to the rounding of this; of the largest unless that is larger.
+
+    Returns
+    -------
+    turn : (n, n) array
+    zeros : int
+        Dimension of that space.
     """
     n = len(a)
     turn, zeros = numpy.eye(n), 0
-    tolerance = 20 * EPS * n * numpy.abs(a).max(initial=0.0)
+    tolerance = 20 * EPS * n * numpy.abs(a).max(initial=size)
     rest = a
     while zeros < n:
         _, sizes, rows = numpy.linalg.svd(rest)

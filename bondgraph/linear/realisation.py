@@ -79,16 +79,26 @@ class Realisation:
         found = sum(part * points[:, None, None] ** power for power, part in enumerate(self.direct))
         if not self.order:
             return numpy.broadcast_to(found, (len(points), *self.direct[0].shape)).astype(complex)
-        return found + self.C @ self._resolved(points)
-
-    def _resolved(self, points: Array) -> Array:
-        """Return ``(s I - A)^-1 B`` at each point."""
         matrices = points[:, None, None] * numpy.eye(self.order) - self.A
-        right = numpy.broadcast_to(self.B.astype(complex), (len(points), *self.B.shape))
         try:
-            return numpy.linalg.solve(matrices, right)
+            moved = numpy.linalg.solve(
+                matrices, numpy.broadcast_to(self.B, (len(points), *self.B.shape))
+            )
         except numpy.linalg.LinAlgError:
-            return numpy.stack([_solved(matrix, self.B) for matrix in matrices])
+            if len(points) == 1:
+                return self._at_pole(points[0])[None]
+            return numpy.concatenate([self.at(points[[place]]) for place in range(len(points))])
+        return found + self.C @ moved
+
+    def _at_pole(self, s: complex) -> Array:
+        """Evaluate where s is a pole: infinite, but for channels that do not see it."""
+        from .transfer import transfer_of
+
+        rows, columns = self.direct[0].shape
+        found = numpy.empty((rows, columns), dtype=complex)
+        for row, column in numpy.ndindex(rows, columns):
+            found[row, column] = transfer_of(self.channel(row, column), "", "", "")(s)
+        return found
 
     def filtered(self, rate: float) -> Realisation:
         """Return the same behind low-pass filters ``1 / (s + rate)^r`` that make it proper.
@@ -274,13 +284,6 @@ def _trimmed(direct: list[Array]) -> tuple[Array, ...]:
     while len(parts) > 1 and not parts[-1].any():
         parts.pop()
     return tuple(parts)
-
-
-def _solved(matrix: Array, right: Array) -> Array:
-    try:
-        return numpy.linalg.solve(matrix, right.astype(complex))
-    except numpy.linalg.LinAlgError:
-        return numpy.full(right.shape, complex(numpy.inf, numpy.inf))
 
 
 def _off(values: Array, place: int) -> float:

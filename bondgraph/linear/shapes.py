@@ -174,7 +174,10 @@ def _normal(matrix: numpy.ndarray, vector: numpy.ndarray) -> numpy.ndarray:
         return values.astype(complex)
     # of several that are equal but for the last bit, the first is the one with phase zero
     sizes = numpy.abs(values)
-    return values / values[numpy.argmax(sizes >= (1 - 1e-9) * sizes.max())]
+    first = numpy.argmax(sizes >= (1 - 1e-9) * sizes.max())
+    found = values / values[first]
+    found[first] = 1.0
+    return found
 
 
 def _named(names: list[str], values: numpy.ndarray) -> Mapping[str, complex]:

@@ -62,6 +62,7 @@ class TransferFunction:
         Returns
         -------
         complex or array of complex
+            Infinite at a pole.
         """
         points = numpy.asarray(s, dtype=complex)[..., None]
         # factors in turn, so that many large ones do not overflow
@@ -72,7 +73,7 @@ class TransferFunction:
         below[..., : len(self.poles)] = points - self.poles
         with numpy.errstate(divide="ignore", invalid="ignore"):
             found = self.gain * numpy.prod(above / below, axis=-1)
-        return found[()]
+        return numpy.where((below == 0).any(axis=-1), numpy.inf, found)[()]
 
     def __str__(self) -> str:
         above, below = (_polynomial(part) for part in (self.numerator, self.denominator))
@@ -95,7 +96,7 @@ def transfer_of(given: Realisation, output: str, input: str, unit: str) -> Trans
     scaled = given.scaled()
     small = minimal(scaled.plant)
     none = numpy.zeros(0, dtype=complex)
-    poles = cleared(numpy.linalg.eigvals(small.A), 20 * EPS * small.order) if small.order else none
+    poles = cleared(numpy.linalg.eigvals(small.A), small.A) if small.order else none
     if not (small.order or any(part.any() for part in small.direct)):
         return TransferFunction(output, input, none, none, 0.0, unit)
     zeros = zeros_of_like_size(small)

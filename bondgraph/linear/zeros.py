@@ -10,11 +10,14 @@ from __future__ import annotations
 
 import numpy
 
+from .gain import deflated
 from .realisation import EPS, Realisation
 
 Array = numpy.ndarray
 # Of the filters that make a transfer proper, in the unit of frequency: no zero of a model.
 FILTER = 2.1235
+WELL = 1e8  # condition up to which a pencil is turned into a matrix
+FAINT = 1e-3  # of the largest: a root that is not seen to be zero by its size is not one
 
 
 def invariant_zeros(given: Realisation) -> Array:
@@ -57,13 +60,32 @@ def zeros_of_like_size(plant: Realisation) -> Array:
     # columns are turned so that [C D] W = [0 F]: what is left of [A - s I, B] W is a regular pencil
     turned = numpy.linalg.svd(numpy.hstack([c, d]))[2].T[:, ::-1]
     kept = turned[:, :n]
-    found = scipy.linalg.eigvals(numpy.hstack([a, b]) @ kept, kept[:n])
-    return cleared(found[numpy.isfinite(found)], tolerance)
+    pencil = numpy.hstack([a, b]) @ kept, kept[:n]
+    found = scipy.linalg.eigvals(*pencil)
+    if numpy.linalg.cond(pencil[1]) < WELL:
+        found = cleared(found, numpy.linalg.solve(pencil[1], pencil[0]))
+    return found[numpy.isfinite(found)].astype(complex)
 
 
-def cleared(roots: Array, size: float) -> Array:
-    """Put roots that are no more than rounding at zero."""
-    return numpy.where(numpy.abs(roots) > size, roots, 0.0).astype(complex)
+def cleared(roots: Array, matrix: Array) -> Array:
+    """Put the eigenvalues that ranks say are zero at zero: several would be off by far more than rounding.
+
+    Parameters
+    ----------
+    roots : (n,) complex array
+        Eigenvalues of the matrix.
+    matrix : (n, n) array
+        In units of frequency in which the model's rates are about one.
+
+    Returns
+    -------
+    (n,) complex array
+    """
+    sizes = numpy.abs(roots)
+    smallest = numpy.argsort(sizes)[: deflated(matrix, 1.0)[1]]
+    found = roots.astype(complex)
+    found[smallest[sizes[smallest] < FAINT * sizes.max(initial=1.0)]] = 0.0
+    return found
 
 
 def ordered(values: Array) -> Array:
