@@ -18,6 +18,7 @@ from .modes import CODES, SLIP_BACKWARD, SLIP_FORWARD, STICK, contacts, in_mode
 from .parameters import unknown_name
 from .smooth import ContactValues, Smooth
 from .values import algebraic_guess, algebraic_names, initial_values, parameter_values
+from .views import HtmlView
 
 MAX_ITERATIONS = 100
 MAX_MODE_CHANGES = 20
@@ -30,7 +31,7 @@ Rates = Callable[[numpy.ndarray], numpy.ndarray]
 
 
 @dataclass(frozen=True, eq=False)
-class SteadyState:
+class SteadyState(HtmlView):
     """A point where nothing changes, in one mode.
 
     Attributes

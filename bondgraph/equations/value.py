@@ -12,6 +12,7 @@ from ..causality import CausalGraph
 from ..codegen.symbols import symbols_in
 from ..errors import BondGraphError
 from ..graph import TIME, BondGraph
+from ..views import HtmlView, LatexView
 from .fractions import fractions
 
 # A rate of more operations is not simplified for display, only brought to lowest terms; angles are
@@ -43,7 +44,7 @@ class Contact:
 
 
 @dataclass(frozen=True, eq=False)
-class Equations:
+class Equations(HtmlView, LatexView):
     """State equations of a bond graph as ordered assignments.
 
     Attributes

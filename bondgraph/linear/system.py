@@ -10,6 +10,7 @@ import numpy
 
 from ..errors import BondGraphError
 from ..steady import SteadyState
+from ..views import HtmlView, LatexView
 from .chosen import input_units, output_units, state_units, with_inputs, with_outputs
 from .damping import DampingRow, damping_rows
 from .modal import Mode, modal_table
@@ -23,7 +24,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False)
-class LinearSystem(Transfers):
+class LinearSystem(Transfers, HtmlView, LatexView):
     """Linear state equations ``dx/dt = A x + B u``, ``y = C x + D u`` about a point.
 
     Attributes

@@ -210,11 +210,11 @@ def _hand(ax: Axes, row: int, phase: float) -> None:
     from matplotlib.transforms import ScaledTranslation
 
     turn = numpy.radians(phase)
-    reach = numpy.array([numpy.cos(turn), numpy.sin(turn)]) * 7.0
+    across, up = 7 / 72 * numpy.cos(turn), 7 / 72 * numpy.sin(turn)
     to_inches = figure_of(ax).dpi_scale_trans
     arrow = {"arrowstyle": "-|>", "lw": 1.1, "color": INK, "shrinkA": 0, "shrinkB": 0}
     head, tail = (
-        ax.transData + ScaledTranslation(*(sign * reach / 72), to_inches) for sign in (1, -1)
+        ax.transData + ScaledTranslation(sign * across, sign * up, to_inches) for sign in (1, -1)
     )
     ax.annotate("", (1.09, row), (1.09, row), xycoords=head, textcoords=tail, arrowprops=arrow)
 

@@ -10,6 +10,7 @@ from ..graph import BondGraph
 from ..linear import LinearSystem, Mode, linearize_at, modal_table
 from ..smooth import Smooth
 from ..steady import SteadyState, steady_state
+from ..views import HtmlView
 from .edges import Edge
 from .locus import Locus, trace
 from .vary import Vary, as_vary
@@ -19,7 +20,7 @@ SCHEMA = 1
 
 
 @dataclass(frozen=True, eq=False)
-class StabilityResult:
+class StabilityResult(HtmlView):
     """What is known about the stability of a steady state.
 
     Attributes
