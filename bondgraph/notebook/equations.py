@@ -9,7 +9,8 @@ from ..dimensions import infer
 from ..equations import Equations
 from ..report.mathml import state_equations
 from ..text import to_latex, to_text
-from .markup import block, items, table
+from ..units import pretty
+from .markup import block, folded, items, scrolled, table
 
 
 def html(equations: Equations) -> str:
@@ -26,11 +27,9 @@ def html(equations: Equations) -> str:
     """
     lines = state_equations(equations)
     if not lines and equations.states:
-        body = (
-            f"<details><summary>as text</summary><pre>{escape(to_text(equations))}</pre></details>"
-        )
+        body = folded("as text", f"<pre>{escape(to_text(equations))}</pre>")
     else:
-        body = "".join(lines)
+        body = scrolled("".join(f'<div style="margin: 0.6em 0">{row}</div>' for row in lines))
     graph = equations.graph
     known: Mapping[str, str | None] = infer(graph).units
     units = {symbol.name: unit for symbol, unit in graph.inputs.items()}
@@ -41,7 +40,7 @@ def html(equations: Equations) -> str:
     return block(
         f"Equations of {equations.name}",
         body,
-        table(("", "name", "SI unit"), rows),
+        table(("", "name", "SI unit"), [(*row[:2], pretty(row[2])) for row in rows]),
         items(dict.fromkeys(equations.warnings)),
     )
 

@@ -6,7 +6,7 @@ from ..causality import CausalGraph, assign_causality
 from ..draw import to_svg
 from ..errors import BondGraphError
 from ..graph import BondGraph
-from ..plot.style import pretty
+from ..units import pretty
 from .markup import block, folded, items, number, paragraph, scrolled, table
 
 

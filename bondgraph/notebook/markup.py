@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable, Sequence
 from html import escape
 
-from ..plot.style import pretty
+from ..units import pretty
 
 _CELL = "text-align: left; padding: 0.15em 1em 0.15em 0;"
 MOST_ROWS = 60

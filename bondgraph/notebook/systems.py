@@ -8,6 +8,7 @@ import numpy
 
 from ..codegen.to_latex import latex_name
 from ..linear import LinearSystem, growths
+from ..units import pretty
 from .markup import block, number, paragraph, table
 
 LARGEST = 12  # rows or columns of a matrix that is written out
@@ -125,7 +126,8 @@ def _pole(pole: complex) -> str:
 
 def _with_units(names: Sequence[str], units: Sequence[str]) -> str:
     return ", ".join(
-        f"{name} [{unit}]" if unit else name for name, unit in zip(names, units, strict=True)
+        f"{name} [{pretty(unit)}]" if unit else name
+        for name, unit in zip(names, units, strict=True)
     )
 
 

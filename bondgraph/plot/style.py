@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy
 
 from ..errors import BondGraphError
-from ..units import from_si
+from ..units import from_si, pretty
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -51,17 +51,6 @@ class Signal:
     def named(self, name: str) -> Signal:
         """Return the same values under another name."""
         return replace(self, name=name)
-
-
-def pretty(unit: str) -> str:
-    """Return a unit as it is printed, with raised powers and centred dots.
-
-    Examples
-    --------
-    >>> pretty("kg*m^2/s")
-    'kg·m²/s'
-    """
-    return unit.replace("^2", "²").replace("^3", "³").replace("*", "·")
 
 
 def signal(trajectory: Trajectory, what: str | Signal) -> Signal:
