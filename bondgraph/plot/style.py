@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy
 
 from ..errors import BondGraphError
-from ..units import from_si, pretty
+from ..units import from_si
+from ..units import pretty as pretty  # plots find it here, with the rest of the style
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
