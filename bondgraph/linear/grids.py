@@ -12,6 +12,7 @@ PERIODS = 60  # an oscillation is followed no longer than this
 POINTS_PER_PERIOD = 24
 FEWEST, MOST = 201, 4001
 PER_DECADE = 60
+UNDAMPED = 1e-9  # beside the imaginary part, a smaller real one is none
 SMALL = 1e-10  # beside the fastest pole, a slower one is at zero
 
 
@@ -71,6 +72,10 @@ def frequency_grid(roots: Array) -> Array:
     count = int(numpy.ceil(PER_DECADE * numpy.log10(high / low))) + 1
     even = numpy.geomspace(low, high, min(max(count, FEWEST), MOST))
     light = roots[(roots.imag > 0) & (numpy.abs(roots.real) < 0.2 * roots.imag)]
-    offsets = numpy.linspace(-4, 4, 33)
-    near = (light.imag[:, None] + numpy.abs(light.real)[:, None] * offsets).ravel()
-    return numpy.unique(numpy.concatenate([even, near[(near > low) & (near < high)]]))
+    damped = numpy.abs(light.real) > UNDAMPED * light.imag
+    widths = numpy.where(damped, numpy.abs(light.real), 1e-3 * light.imag)
+    near = (light.imag[:, None] + widths[:, None] * numpy.linspace(-4, 4, 33)).ravel()
+    grid = numpy.unique(numpy.concatenate([even, near[(near > low) & (near < high)]]))
+    for root in light.imag[~damped]:  # there is no value there, and none to trust beside it
+        grid = grid[numpy.abs(grid - root) > 1e-6 * root]
+    return grid

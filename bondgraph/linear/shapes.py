@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
 # Beside the terms that it is a sum of, a smaller flow or effort is rounding noise: it is zero.
 NOISE = 1e-12
+TINY = 1e-150
 
 
 @dataclass(frozen=True)
@@ -170,8 +171,8 @@ def _normal(matrix: numpy.ndarray, vector: numpy.ndarray) -> numpy.ndarray:
     values = numpy.where(
         numpy.abs(values) > NOISE * (numpy.abs(matrix) @ numpy.abs(vector)), values, 0.0
     )
-    if not values.any():
-        return values.astype(complex)
+    if not (numpy.abs(values) > TINY).any():
+        return numpy.zeros(len(values), dtype=complex)
     # of several that are equal but for the last bit, the first is the one with phase zero
     sizes = numpy.abs(values)
     first = numpy.argmax(sizes >= (1 - 1e-9) * sizes.max())

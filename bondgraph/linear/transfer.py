@@ -45,12 +45,12 @@ class TransferFunction:
     @property
     def numerator(self) -> Array:
         """Coefficients by falling powers of s."""
-        return numpy.atleast_1d(self.gain * numpy.real(numpy.poly(self.zeros)))
+        return numpy.atleast_1d(self.gain * _coefficients(self.zeros))
 
     @property
     def denominator(self) -> Array:
         """Coefficients by falling powers of s; the first is one."""
-        return numpy.atleast_1d(numpy.real(numpy.poly(self.poles)))
+        return numpy.atleast_1d(_coefficients(self.poles))
 
     def __call__(self, s: Any) -> Any:
         """Evaluate at complex frequencies, 1/s.
@@ -149,6 +149,13 @@ def _moved(a: Array, b: Array, c: Array) -> tuple[Array, Array, Array]:
     return kept.T @ a @ kept, kept.T @ b, c @ kept
 
 
+def _coefficients(roots: Array) -> Array:
+    """Multiply out; coefficients that are no more than rounding are zero."""
+    found = numpy.real(numpy.poly(roots))
+    terms = numpy.real(numpy.poly(-numpy.abs(roots)))
+    return numpy.where(numpy.abs(found) > 20 * EPS * (len(roots) + 1) * terms, found, 0.0)
+
+
 def _polynomial(coefficients: Array) -> str:
     """Write a polynomial in s with six digits."""
     degree = len(coefficients) - 1
@@ -158,5 +165,6 @@ def _polynomial(coefficients: Array) -> str:
         if value or degree == 0:
             name = {0: "", 1: "s"}.get(power, f"s^{power}")
             plain = f"{value:.6g}"
-            terms.append(name if plain == "1" and name else "*".join(filter(None, (plain, name))))
+            bare = plain in ("1", "-1") and name
+            terms.append(plain[:-1] + name if bare else "*".join(filter(None, (plain, name))))
     return " + ".join(terms).replace("+ -", "- ")

@@ -126,6 +126,15 @@ class TestGrids:
     def test_free_states_do_not_stretch_it(self):
         assert unseen().step_response().time[-1] == pytest.approx(numpy.log(1000) / 1.5)
 
+    def test_frequencies_keep_off_undamped_poles(self):
+        F, spring = sympy.Symbol("F"), C("k", stiffness=3)
+        graph = assemble("free", Se("push", F) >> One("v") >> (I("m", 0.7), spring),
+                         inputs={F: "N"}, outputs={"x": spring.q})  # fmt: skip
+        found = linearize(graph).frequency_response()
+        expected = 1 / (3 - 0.7 * found.omega**2)
+        assert found["x", "F"].real == pytest.approx(expected, rel=1e-6)
+        assert abs(expected).max() > 100 / 3
+
     def test_no_states_at_all(self):
         u = sympy.Symbol("u")
         load = R("r", 2)

@@ -5,6 +5,7 @@ import pytest
 import sympy
 
 from bondgraph import linearize, models, symbolic_system
+from bondgraph.linear import TransferFunction
 
 from .graphs import driven, following, unseen
 
@@ -14,6 +15,12 @@ def test_the_oscillator():
     assert found.numerator == pytest.approx([0.5])
     assert found.denominator == pytest.approx([1, 0.25, 4])
     assert (found.unit, str(found)) == ("m/N", "(0.5) / (s^2 + 0.25*s + 4)")
+
+
+def test_signs_and_rounding_are_written_plainly():
+    pair = numpy.array([1e-17 + 2j, 1e-17 - 2j])
+    found = TransferFunction("y", "u", numpy.array([0j]), pair, -1.0)
+    assert str(found) == "(-s) / (s^2 + 4)" and found.denominator.tolist() == [1, 0, 4]
 
 
 def test_modes_that_the_channel_does_not_see_are_left_out():
