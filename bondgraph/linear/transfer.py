@@ -7,10 +7,16 @@ from typing import Any
 
 import numpy
 
+from ..errors import BondGraphError
+from .ranks import compressed
 from .realisation import EPS, Realisation
 from .zeros import cleared, ordered, zeros_of_like_size
 
 Array = numpy.ndarray
+_TOO_LARGE = (
+    "the transfer function has coefficients beyond floating-point numbers: too many fast poles; "
+    "take frequency_response, which has no polynomials"
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,6 +98,11 @@ def transfer_of(given: Realisation, output: str, input: str, unit: str) -> Trans
     Returns
     -------
     TransferFunction
+
+    Raises
+    ------
+    BondGraphError
+        For so many poles that the gain is no floating-point number.
     """
     scaled = given.scaled()
     small = minimal(scaled.plant)
@@ -104,9 +115,19 @@ def transfer_of(given: Realisation, output: str, input: str, unit: str) -> Trans
     far = 2.0 * float(numpy.abs(numpy.concatenate([zeros, poles])).max(initial=0.5))
     shape = TransferFunction(output, input, zeros, poles, 1.0)
     gain = float((small.at(numpy.array([far]))[0, 0, 0] / shape(far)).real)
-    gain *= scaled.rate ** (len(poles) - len(zeros)) / float(scaled.into[0] * scaled.out[0])
+    gain *= _power(scaled.rate, len(poles) - len(zeros)) / float(scaled.into[0] * scaled.out[0])
     zeros, poles = (ordered(roots * scaled.rate) for roots in (zeros, poles))
     return TransferFunction(output, input, zeros, poles, gain, unit)
+
+
+def _power(rate: float, degree: int) -> float:
+    try:
+        found = rate**degree
+    except OverflowError:
+        found = float("inf")
+    if not 0 < found < float("inf"):
+        raise BondGraphError(_TOO_LARGE)
+    return found
 
 
 def minimal(given: Realisation) -> Realisation:
@@ -137,11 +158,10 @@ def _moved(a: Array, b: Array, c: Array) -> tuple[Array, Array, Array]:
     turn = numpy.eye(n)
     done, block = 0, b
     while done < n:
-        u, found, _ = numpy.linalg.svd(block)
-        rank = int((found > tolerance).sum())
+        mixed, rank = compressed(block, tolerance)
         if not rank:
             break
-        turn[:, done:] = turn[:, done:] @ u
+        turn[:, done:] = turn[:, done:] @ mixed
         previous, done = done, done + rank
         turned = turn.T @ a @ turn
         block = turned[done:, previous:done]
@@ -153,6 +173,8 @@ def _coefficients(roots: Array) -> Array:
     """Multiply out; coefficients that are no more than rounding are zero."""
     found = numpy.real(numpy.poly(roots))
     terms = numpy.real(numpy.poly(-numpy.abs(roots)))
+    if not numpy.isfinite(terms).all():
+        raise BondGraphError(_TOO_LARGE)
     return numpy.where(numpy.abs(found) > 20 * EPS * (len(roots) + 1) * terms, found, 0.0)
 
 

@@ -11,6 +11,7 @@ from __future__ import annotations
 import numpy
 
 from .gain import deflated
+from .ranks import compressed
 from .realisation import EPS, Realisation
 
 Array = numpy.ndarray
@@ -98,18 +99,16 @@ def _row_reduced(
 ) -> tuple[Array, Array, Array, Array]:
     """Return matrices with the same finite zeros whose D has full row rank."""
     while True:
-        u, sizes, _ = numpy.linalg.svd(d)
-        rank = int((sizes > tolerance).sum())
-        c, d = u.T @ c, u.T @ d
+        turn, rank = compressed(d, tolerance)
+        c, d = turn.T @ c, turn.T @ d
         bare, c, d = c[rank:], c[:rank], d[:rank]
         if not len(bare):
             return a, b, c, d
-        _, sizes, turned = numpy.linalg.svd(bare)
-        held = int((sizes > tolerance).sum())
+        turn, held = compressed(bare.T, tolerance)
         if not held:
             return a, b, c, d
         # states that the outputs hold at zero come last; their rates are outputs held at zero
-        v = numpy.vstack([turned[held:], turned[:held]]).T
+        v = numpy.hstack([turn[:, held:], turn[:, :held]])
         a, b, c = v.T @ a @ v, v.T @ b, c @ v
         free = len(a) - held
         c, d = (

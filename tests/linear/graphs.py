@@ -56,6 +56,21 @@ def pulled():
     return linearize(graph)
 
 
+def ladder(cells):
+    """An electrical ladder: 2 states a cell, no zeros from the source to the last capacitor."""
+    E, end = sympy.Symbol("E"), None
+    bonds, before = [], Se("source", E)
+    for k in range(cells):
+        loop, node, end = One(f"loop{k}"), Zero(f"node{k}"), C(f"c{k}", 1e-6)
+        bonds += [
+            before >> loop >> (I(f"l{k}", 1e-3 * (1 + k)), R(f"r{k}", 0.1), node),
+            node >> end,
+        ]
+        before = node
+    bonds.append(before >> R("load", 50))
+    return linearize(assemble("ladder", *bonds, inputs={E: "V"}, outputs={"u": (end.e, "V")}))
+
+
 def unseen():
     """Not minimal: an angle that nothing shows, and a mass that nothing drives."""
     F = sympy.Symbol("F")

@@ -5,9 +5,10 @@ import pytest
 import sympy
 
 from bondgraph import linearize, models, symbolic_system
+from bondgraph.errors import BondGraphError
 from bondgraph.linear import TransferFunction
 
-from .graphs import driven, following, unseen
+from .graphs import driven, following, ladder, unseen
 
 
 def test_the_oscillator():
@@ -27,6 +28,16 @@ def test_modes_that_the_channel_does_not_see_are_left_out():
     found = unseen().transfer_function("v", "F")
     assert found.zeros.size == 0
     assert found.poles == pytest.approx([-1.5]) and found.gain == pytest.approx(0.5)
+
+
+def test_of_a_ladder():
+    system = ladder(12)
+    found = system.transfer_function("u", "E")
+    assert (len(found.zeros), len(found.poles)) == (0, 24)
+    response = system.frequency_response()
+    assert found(1j * response.omega) == pytest.approx(response["u", "E"], rel=1e-9)
+    with pytest.raises(BondGraphError, match="beyond floating-point"):
+        ladder(60).transfer_function("u", "E")
 
 
 def test_that_is_zero():

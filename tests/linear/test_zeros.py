@@ -6,7 +6,7 @@ import pytest
 from bondgraph.linear.realisation import Realisation
 from bondgraph.linear.zeros import invariant_zeros
 
-from .graphs import SYSTEMS, floating, following
+from .graphs import SYSTEMS, floating, following, ladder
 
 
 def plant(a, b, c, d=None):
@@ -85,6 +85,12 @@ def test_units_and_a_change_of_states_do_not_matter():
             pencil = numpy.block([[a - zero * numpy.eye(n), b], [c, d]])
             sizes = numpy.linalg.svd(pencil, compute_uv=False)
             assert sizes[-1] < 1e-8 * sizes[0]
+
+
+@pytest.mark.parametrize("cells", [3, 12, 60])
+def test_a_long_ladder_has_none(cells):
+    """Each step of the reduction would let rounding grow tenfold, were the chain not kept as it is."""
+    assert ladder(cells).zeros().size == 0
 
 
 def test_of_graphs():
