@@ -61,6 +61,10 @@ class SteadyState(HtmlView):
     isolated: bool
     algebraic: dict[str, float] = field(default_factory=dict)
 
+    def __repr__(self) -> str:
+        modes = f", modes={self.modes}" if self.modes else ""
+        return f"SteadyState({self.equations.name!r}, states={self.states}{modes})"
+
     @property
     def vector(self) -> list[float]:
         """States and algebraic variables, as the functions of `bondgraph.smooth.Smooth` take them."""

@@ -119,6 +119,10 @@ class Equations(HtmlView, LatexView):
     input_rates: Mapping[sympy.Symbol, sympy.Symbol] = field(default_factory=dict)
     switches: Mapping[str, sympy.Symbol] = field(default_factory=dict)
 
+    def __repr__(self) -> str:
+        sizes = f"{len(self.states)} states, {len(self.algebraic)} algebraic variables"
+        return f"Equations({self.name!r}, {sizes}, {len(self.inputs)} inputs)"
+
     @property
     def graph(self) -> BondGraph:
         """The graph these equations come from."""

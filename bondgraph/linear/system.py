@@ -58,6 +58,10 @@ class LinearSystem(Transfers, HtmlView, LatexView):
     outputs: tuple[str, ...]
     at: SteadyState
 
+    def __repr__(self) -> str:
+        sizes = f"{len(self.states)} states, {len(self.inputs)} inputs, {len(self.outputs)} outputs"
+        return f"LinearSystem({self.at.equations.name!r}, {sizes})"
+
     @property
     def state_units(self) -> tuple[str, ...]:
         """SI unit of each state; empty where it is not known."""

@@ -45,6 +45,15 @@ class TestMatrices:
         assert system.C.tolist() == [[0, 1], [-0.125, -4], [0, 0]]
         assert system.D.tolist() == [[0], [0.5], [3]]
 
+    def test_shows_itself_in_a_line(self):
+        system = self.system()
+        assert repr(system) == "LinearSystem('osc', 2 states, 1 inputs, 3 outputs)"
+        assert repr(system.at) == "SteadyState('osc', states={'m.p': 0.0, 'k.q': 0.0})"
+        assert (
+            repr(system.at.equations)
+            == "Equations('osc', 2 states, 0 algebraic variables, 1 inputs)"
+        )
+
     def test_poles_and_damping(self):
         system = self.system()
         pole = complex(-0.125, math.sqrt(4 - 0.125**2))
