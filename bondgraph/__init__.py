@@ -57,7 +57,15 @@ if TYPE_CHECKING:
     from .errors import BondGraphError
     from .files import load, save
     from .graph import TIME, BondGraph, Output, assemble
-    from .linear import LinearSystem, linearize
+    from .linear import (
+        FrequencyResponse,
+        LinearSystem,
+        Mode,
+        ModeShape,
+        TimeResponse,
+        linearize,
+        modal_table,
+    )
     from .modes import in_mode, smoothed
     from .parameters import Parameter
     from .simulation import (
@@ -93,6 +101,10 @@ _HOME = {
     "Equations": "equations",
     "Discovery": "discrepancy.discovery",
     "Fit": "discrepancy.fitting",
+    "FrequencyResponse": "linear",
+    "Mode": "linear",
+    "ModeShape": "linear",
+    "TimeResponse": "linear",
     "discover": "discrepancy.discovery",
     "Measurement": "discrepancy.measurement",
     "Friction": "elements",
@@ -135,6 +147,7 @@ _HOME = {
     "limit_cycle": "cycles",
     "linearize": "linear",
     "load": "files",
+    "modal_table": "linear",
     "periodic_orbit": "cycles",
     "poincare_section": "cycles",
     "report_causality": "causality_report",
@@ -174,6 +187,7 @@ __all__ = [
     "discover",
     "Discovery",
     "Fit",
+    "FrequencyResponse",
     "Friction",
     "GY",
     "Heat",
@@ -189,6 +203,9 @@ __all__ = [
     "LinearSystem",
     "load",
     "Measurement",
+    "modal_table",
+    "Mode",
+    "ModeShape",
     "One",
     "Outcome",
     "Output",
@@ -220,6 +237,7 @@ __all__ = [
     "SymbolicSystem",
     "TF",
     "TIME",
+    "TimeResponse",
     "Trajectory",
     "Zero",
 ]

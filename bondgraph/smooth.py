@@ -256,7 +256,8 @@ class Smooth:
         found = tuple(matrix.full() for matrix in self._jacobians(x, u, p))
         if not all(numpy.isfinite(matrix).all() for matrix in found):
             raise SteadyStateError(
-                f"model {self.equations.name!r}: the Jacobian is not finite at this point"
+                f"model {self.equations.name!r}: the Jacobian is not finite at this point; "
+                f"a law has no slope there, such as an orifice without flow: take another point"
             )
         return self._eliminated(found, x, u, p) if self.equations.algebraic else found
 

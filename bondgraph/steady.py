@@ -18,6 +18,7 @@ from .modes import CODES, SLIP_BACKWARD, SLIP_FORWARD, STICK, contacts, in_mode
 from .parameters import unknown_name
 from .smooth import ContactValues, Smooth
 from .values import algebraic_guess, algebraic_names, initial_values, parameter_values
+from .views import HtmlView
 
 MAX_ITERATIONS = 100
 MAX_MODE_CHANGES = 20
@@ -30,7 +31,7 @@ Rates = Callable[[numpy.ndarray], numpy.ndarray]
 
 
 @dataclass(frozen=True, eq=False)
-class SteadyState:
+class SteadyState(HtmlView):
     """A point where nothing changes, in one mode.
 
     Attributes
@@ -59,6 +60,10 @@ class SteadyState:
     equations: Equations
     isolated: bool
     algebraic: dict[str, float] = field(default_factory=dict)
+
+    def __repr__(self) -> str:
+        modes = f", modes={self.modes}" if self.modes else ""
+        return f"SteadyState({self.equations.name!r}, states={self.states}{modes})"
 
     @property
     def vector(self) -> list[float]:
@@ -381,7 +386,7 @@ def _against_stops(
             [values[n].margins[list(values[n].element.modes).index("free")] for n in names]
         )
 
-    for _ in range(MAX_ITERATIONS if names else 0):
+    for _ in range(MAX_ITERATIONS if names and len(x) else 0):
         open_gaps = gaps(x)
         if not open_gaps.any() or not numpy.isfinite(open_gaps).all():
             break

@@ -157,6 +157,17 @@ def _base(unit: Any) -> Any:
     return _registry().Quantity(1.0, unit).to_base_units().units
 
 
+def pretty(unit: str) -> str:
+    """Return a unit as it is printed, with raised powers and centred dots.
+
+    Examples
+    --------
+    >>> pretty("kg*m^2/s")
+    'kg·m²/s'
+    """
+    return unit.replace("^2", "²").replace("^3", "³").replace("*", "·")
+
+
 def quantity_parts(value: Any) -> tuple[float, str] | None:
     """Split a pint quantity into value and unit; None for anything else.
 

@@ -28,6 +28,7 @@ from bondgraph import (
 )
 from bondgraph.errors import ParameterError, SteadyStateError
 from bondgraph.stability import assess
+from tests.collection.circuits import triangle_of_capacitors
 
 U = sympy.Symbol("U", real=True)
 
@@ -250,3 +251,25 @@ class TestStability:
         assert edge.value == pytest.approx(left(slope), rel=1e-9)
         assert set(edge.point.algebraic) == {s.name for s in derive(graph).algebraic}
         assert result.loci[0].gaps
+
+
+def test_at_rest_where_a_law_has_no_slope():
+    """An orifice without flow: nothing moves, and there is nothing to linearise."""
+    node = Zero("node")
+    orifice = R("orifice", flow=lambda e: sympy.sign(e) * sympy.sqrt(abs(e)))
+    graph = assemble("tank", node >> (C("c", 2), orifice))
+    assert steady_state(graph).states == {"c.q": 0.0}
+    with pytest.raises(SteadyStateError, match="not finite at this point"):
+        linearize(graph)
+    with pytest.raises(SteadyStateError, match="not finite at this point"):
+        assess(graph)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_inputs_that_cancel_leave_rounding_alone(seed):
+    """A triangle of capacitors at rest: the rate of the current cancels out of its equations."""
+    rng = np.random.default_rng(seed)
+    graph = triangle_of_capacitors().graph
+    values = {symbol.name: float(rng.uniform(0.5, 2)) for symbol in graph.parameters}
+    point = steady_state(graph, values, inputs={"J": 0.0, "der(J)": -0.002})
+    assert max(map(abs, point.states.values())) < 1e-14

@@ -7,6 +7,7 @@ from enum import Enum
 
 from ..elements import Storage
 from ..graph import BondGraph
+from ..views import HtmlView, SvgView
 
 
 class Reason(Enum):
@@ -46,7 +47,7 @@ class Stroke:
 
 
 @dataclass(frozen=True, eq=False)
-class CausalGraph:
+class CausalGraph(HtmlView, SvgView):
     """A bond graph with a causal stroke on every bond.
 
     Attributes

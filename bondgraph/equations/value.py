@@ -12,6 +12,7 @@ from ..causality import CausalGraph
 from ..codegen.symbols import symbols_in
 from ..errors import BondGraphError
 from ..graph import TIME, BondGraph
+from ..views import HtmlView, LatexView
 from .fractions import fractions
 
 # A rate of more operations is not simplified for display, only brought to lowest terms; angles are
@@ -43,7 +44,7 @@ class Contact:
 
 
 @dataclass(frozen=True, eq=False)
-class Equations:
+class Equations(HtmlView, LatexView):
     """State equations of a bond graph as ordered assignments.
 
     Attributes
@@ -117,6 +118,10 @@ class Equations:
     ports: Mapping[str, sympy.Expr] = field(default_factory=dict)
     input_rates: Mapping[sympy.Symbol, sympy.Symbol] = field(default_factory=dict)
     switches: Mapping[str, sympy.Symbol] = field(default_factory=dict)
+
+    def __repr__(self) -> str:
+        sizes = f"{len(self.states)} states, {len(self.algebraic)} algebraic variables"
+        return f"Equations({self.name!r}, {sizes}, {len(self.inputs)} inputs)"
 
     @property
     def graph(self) -> BondGraph:

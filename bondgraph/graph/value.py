@@ -13,6 +13,7 @@ from ..bonds import Joinable
 from ..elements import Element, Junction
 from ..errors import GraphError, suggestion
 from ..parameters import Parameter
+from ..views import HtmlView, SvgView
 
 TIME = sympy.Symbol("t", real=True)
 
@@ -94,7 +95,7 @@ class Signal:
 
 
 @dataclass(frozen=True, eq=False)
-class BondGraph:
+class BondGraph(HtmlView, SvgView):
     """An assembled bond graph: immutable, checked, without causality yet.
 
     Attributes

@@ -1,4 +1,4 @@
-"""Plots of trajectories, eigenvalue loci, sweeps, friction laws and gaps, on matplotlib axes.
+"""Plots of trajectories, linear systems, eigenvalue loci, sweeps, friction laws and gaps, on matplotlib axes.
 
 Each function draws on the axes it is given, or on those of a new figure, and
 returns the axes. pyplot is not used, so nothing is kept or shown. The colours
@@ -27,8 +27,10 @@ from .gaps import (
 from .laws import friction_curve
 from .loci import growth_rates, root_locus
 from .maps import damping_map, least_damping, stability_map
+from .modes import energy_plot, mode_shape_plot, pole_zero_plot
 from .motion import application, overview, phase_plane, time_response
 from .periodograms import whiteness_plot, window_comparison
+from .responses import bode_plot, step_plot
 from .style import PALETTE, Signal, new_axes, pretty, save, signal
 from .sweeps import sweep_map
 
@@ -36,10 +38,12 @@ __all__ = [
     "PALETTE",
     "Signal",
     "application",
+    "bode_plot",
     "coherence_plot",
     "course_plot",
     "damping_map",
     "feed_bars",
+    "energy_plot",
     "frequency_gaps",
     "friction_curve",
     "gap_course",
@@ -48,9 +52,11 @@ __all__ = [
     "growth_rates",
     "learned_law",
     "least_damping",
+    "mode_shape_plot",
     "new_axes",
     "overview",
     "phase_plane",
+    "pole_zero_plot",
     "pretty",
     "region_gaps",
     "root_locus",
@@ -60,6 +66,7 @@ __all__ = [
     "signal",
     "signal_gaps",
     "stability_map",
+    "step_plot",
     "sweep_map",
     "time_response",
     "whiteness_plot",

@@ -10,6 +10,7 @@ import numpy
 
 from ..errors import BondGraphError
 from ..units import from_si
+from ..units import pretty as pretty  # plots find it here, with the rest of the style
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -51,17 +52,6 @@ class Signal:
     def named(self, name: str) -> Signal:
         """Return the same values under another name."""
         return replace(self, name=name)
-
-
-def pretty(unit: str) -> str:
-    """Return a unit as it is printed, with raised powers and centred dots.
-
-    Examples
-    --------
-    >>> pretty("kg*m^2/s")
-    'kg·m²/s'
-    """
-    return unit.replace("^2", "²").replace("^3", "³").replace("*", "·")
 
 
 def signal(trajectory: Trajectory, what: str | Signal) -> Signal:

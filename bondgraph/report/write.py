@@ -16,6 +16,7 @@ from .deciding import deciding_section
 from .folder import drawn, write_folder
 from .maps import Plane, map_section
 from .page import Heading, render
+from .shapes import shape_section
 from .summary import headline
 
 
@@ -93,6 +94,7 @@ def _chapters(
         spectrum.eigenvalue_section(result),
         contents.point_section(result),
         contents.parameter_section(result),
+        shape_section(result),
         spectrum.locus_section(result.loci),
         map_section(result, maps),
         *own,

@@ -15,6 +15,7 @@ import numpy
 
 from ..errors import BondGraphError, SimulationError
 from ..parameters import unknown_name
+from ..views import HtmlView, SvgView
 from .compiled import CompiledModel
 from .inputs import at
 from .outcome import Outcome
@@ -92,7 +93,7 @@ class Kept:
 
 
 @dataclass(frozen=True, eq=False)
-class Trajectory:
+class Trajectory(HtmlView, SvgView):
     """Result of a simulation.
 
     Any state, output, input or port variable is had by name:

@@ -5,13 +5,13 @@ and which feed each mode, follows the eigenvalues along parameters, and says the
 result in words.
 """
 
+from ..linear import Mode, modal_table
 from .assess import StabilityResult, assess
 from .continuation import Boundary, Path, Special, follow_edge
 from .edges import Edge
 from .locus import Gap, Locus, trace
 from .maps import EigenvalueMap, PointOutcome, eigenvalue_map
 from .margins import Margin, margins
-from .modal import Mode, modal_table
 from .onset import Onset, onset
 from .sensitivity import Effect, Sensitivities, sensitivities
 from .slopes import incremental_resistances

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from ..linear import Mode
 from .margins import Margin
-from .modal import Mode
 from .sensitivity import Effect, Sensitivities
 from .verdict import critical, crossing, is_stable, way
 

@@ -9,16 +9,16 @@ from typing import Any
 
 from ..errors import ParameterError
 from ..graph import BondGraph
-from ..linear import LinearSystem, linearize_at
+from ..linear import LinearSystem, Mode, linearize_at, modal_table
 from ..smooth import Smooth
 from ..steady import SteadyState, steady_state
+from ..views import HtmlView
 from .advice import advice
 from .continuation import Boundary, boundaries
 from .derivatives import Forms
 from .edges import Edge
 from .locus import Locus, trace
 from .margins import SPAN, Margin, margins
-from .modal import Mode, modal_table
 from .sensitivity import Sensitivities, sensitivities
 from .slopes import incremental_resistances
 from .vary import Vary, as_vary
@@ -28,7 +28,7 @@ SCHEMA = 1
 
 
 @dataclass(frozen=True, eq=False)
-class StabilityResult:
+class StabilityResult(HtmlView):
     """What is known about the stability of a steady state.
 
     Attributes

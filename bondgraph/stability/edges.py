@@ -6,10 +6,9 @@ from dataclasses import dataclass, field
 
 import numpy
 
-from ..linear import linearize_at
+from ..linear import Mode, linearize_at, modal_table
 from ..steady import SteadyState
 from .family import Family
-from .modal import Mode, modal_table
 from .onset import Onset, onset
 
 

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 
-from ..linear import LinearSystem
+from ..linear import LinearSystem, Mode
 from ..units import from_si
 from .edges import Edge
 from .locus import Locus
 from .margins import Margin
-from .modal import Mode
 
 # Contributions below this share of the largest are left out of the sentence.
 WORTH_SAYING = 0.02

@@ -61,7 +61,7 @@ def test_every_plot_has_its_file_and_its_numbers(squeal):
     _, path, page, _ = squeal
     names = {file.stem for file in (path.parent / "plots").iterdir()}
     expected = {"locus-V0", "growth-V0", "fig4", "fig5", "run-phase", "run-time"}
-    expected |= {"mode-shares", "mode-feeds", "sensitivities"}
+    expected |= {"mode-shares", "mode-feeds", "mode-shape", "mode-energies", "sensitivities"}
     expected |= {"map-V0-v_s", "map-V0-v_s-damping"}
     expected |= {f"fig{k}-{kind}" for k in (6, 7, 8, 9) for kind in ("phase", "time")}
     assert names == expected
@@ -86,6 +86,7 @@ def test_the_chapters_are_in_order(squeal):
         "Eigenvalues",
         "Operating point",
         "Parameters",
+        "Mode shapes",
         "How far the edge is",
         "Maps",
         "Braking",

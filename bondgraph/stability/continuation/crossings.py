@@ -7,9 +7,9 @@ import itertools
 import numpy
 
 from ...errors import BondGraphError
+from ...linear import growths
 from ..edges import Edge, described, same
 from ..family import Family
-from ..modal import growths
 from .curve import Frame, between
 
 Array = numpy.ndarray

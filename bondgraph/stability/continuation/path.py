@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy
 
+from ...linear import growths
 from ..edges import Edge
 from ..family import Family
-from ..modal import growths
 from .crossings import crossings
 from .curve import Curve, Frame, follow
 
