@@ -42,8 +42,8 @@ class Balance:
         for name in self.storages:
             element = elements[name]
             assert isinstance(element, Storage)
-            rows += [_port(equations, name, element.coenergy, element)]
-            rows += [_port(equations, name, element.state, element)]
+            rows += [port_of(equations, name, element.coenergy)]
+            rows += [port_of(equations, name, element.state)]
         for name in self.others:
             rows += [equations.ports[f"{name}.e"], equations.ports[f"{name}.f"]]
         self.matrix = slopes(point, rows).states
@@ -74,6 +74,8 @@ class Balance:
         return largest_first(held), largest_first(told)
 
 
-def _port(equations: Equations, name: str, symbol: sympy.Symbol, element: Storage) -> sympy.Expr:
-    key = next(key for key, value in element.symbols.items() if value == symbol)
+def port_of(equations: Equations, name: str, symbol: sympy.Symbol) -> sympy.Expr:
+    """Return an element's own variable in the equations' variables."""
+    symbols = equations.graph.elements[name].symbols
+    key = next(key for key, value in symbols.items() if value == symbol)
     return equations.ports[f"{name}.{key}"]

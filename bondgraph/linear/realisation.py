@@ -53,11 +53,6 @@ class Realisation:
         """Number of states."""
         return len(self.A)
 
-    @property
-    def proper(self) -> bool:
-        """Whether no rate of an input goes straight to an output."""
-        return len(self.direct) == 1
-
     def channel(self, output: int, input: int) -> Realisation:
         """Return the part from one input to one output."""
         direct = [part[[output]][:, [input]] for part in self.direct]
@@ -215,7 +210,7 @@ def realisation(system: Transfers) -> Realisation:
     return Realisation(system.A, driven[0], system.C, _trimmed(direct))
 
 
-def outputs_and_inputs(system: Transfers) -> None:
+def check_channels(system: Transfers) -> None:
     """Refuse a system without inputs or without outputs, for what leads from one to the other.
 
     Raises

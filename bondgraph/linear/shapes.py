@@ -12,14 +12,16 @@ from typing import TYPE_CHECKING
 import numpy
 
 from ..dimensions import infer
-from ..elements import One, Zero
+from ..elements import One, Storage, Zero
+from .balance import port_of
 from .variations import slopes
 
 if TYPE_CHECKING:
     from .system import LinearSystem
 
 # Beside the terms that it is a sum of, a smaller flow or effort is rounding noise: it is zero.
-NOISE = 1e-12
+# So is a state beside the largest, both as roots of energies.
+NOISE = 1e-13
 TINY = 1e-150
 
 
@@ -152,7 +154,7 @@ def mode_shapes(system: LinearSystem) -> tuple[ModeShape, ...]:
     units = MappingProxyType(
         {name: known.get(label) or "" for name, label in zip((*ones, *zeros), labels, strict=True)}
     )
-    poles, vectors = system.poles(), system.shapes()
+    poles, vectors = system.poles(), _without_noise(system, system.shapes())
     matrix = slopes(system.at, rows).states if rows and len(poles) else numpy.zeros((len(rows), 0))
     return tuple(
         ModeShape(
@@ -163,6 +165,32 @@ def mode_shapes(system: LinearSystem) -> tuple[ModeShape, ...]:
         )
         for pole, vector in zip(poles, vectors.T, strict=True)
     )
+
+
+def _without_noise(system: LinearSystem, vectors: numpy.ndarray) -> numpy.ndarray:
+    """Put components of eigenvectors at zero whose energy is that of rounding.
+
+    Measured by the root of the energy that they stand for, states of all kinds compare.
+    """
+    equations = system.at.equations
+    stored = {
+        place: name
+        for place, name in enumerate(state.rpartition(".")[0] for state in system.states)
+        if isinstance(equations.graph.elements.get(name), Storage)
+    }
+    if not stored or not vectors.size:
+        return vectors
+    coenergies = [
+        port_of(equations, name, equations.graph[name].coenergy) for name in stored.values()
+    ]
+    places = list(stored)
+    stiffness = numpy.abs(slopes(system.at, coenergies).states[range(len(places)), places])
+    sizes = numpy.zeros(vectors.shape)
+    sizes[places] = numpy.sqrt(stiffness)[:, None] * numpy.abs(vectors[places])
+    held = numpy.zeros(len(vectors), dtype=bool)
+    held[places] = stiffness > 0
+    faint = held[:, None] & (sizes <= NOISE * sizes.max(axis=0))
+    return numpy.where(faint, 0.0, vectors)
 
 
 def _normal(matrix: numpy.ndarray, vector: numpy.ndarray) -> numpy.ndarray:

@@ -11,7 +11,7 @@ from ..steady import SteadyState
 from .frequency import FrequencyResponse, checked_frequencies, frequency_values, quotient
 from .gain import static_gain
 from .grids import frequency_grid, time_grid
-from .realisation import Realisation, outputs_and_inputs, place_of, realisation
+from .realisation import Realisation, check_channels, place_of, realisation
 from .response import TimeResponse, checked_times, impulse_values, step_values
 from .transfer import TransferFunction, transfer_of
 from .zeros import invariant_zeros
@@ -199,11 +199,11 @@ class Transfers:
         return FrequencyResponse(grid, values, *names)
 
     def _realisation(self) -> Realisation:
-        outputs_and_inputs(self)
+        check_channels(self)
         return realisation(self)
 
     def _channel(self, output: Any, input: Any) -> tuple[int, int]:
-        outputs_and_inputs(self)
+        check_channels(self)
         if output is None or input is None:
             raise ParameterError("a channel has an output and an input: give both, or none for all")
         return (

@@ -85,7 +85,7 @@ def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
     )
     left = len(lines) - MOST_ROWS
     note = paragraph(f"and {left} more") if left > 0 else ""
-    return f"<table>{top}<tbody>{body}</tbody></table>{note}"
+    return f'<table style="margin: 0.4em 0">{top}<tbody>{body}</tbody></table>{note}'
 
 
 def number(value: float | None, unit: str = "", digits: int = 5) -> str:

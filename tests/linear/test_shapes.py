@@ -80,6 +80,14 @@ class TestShapes:
         ratio = flows / found
         assert ratio == pytest.approx(numpy.full(3, ratio[1]), rel=1e-6)
 
+    def test_what_is_rounding_does_not_move(self):
+        """A stuck brake is free to rest under a twist: nothing moves there, all is stress."""
+        graph = models.bicycle_brake.graph()
+        stuck = linearize(graph, {"V0": 0}, modes={"friction": "stick"})
+        rest = stuck.mode_shapes()[0]
+        assert rest.pole == 0 and set(rest.flows.values()) == {0}
+        assert rest.efforts["pads"] == 1 and rest.efforts["wheel.torque"] == pytest.approx(0.08)
+
     def test_algebraic_variables_follow(self):
         (shape,) = algebraic().mode_shapes()
         assert shape.flows == {"i": 1}
