@@ -10,6 +10,7 @@ import logging
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from .attractors import Attractor, Attractors, find_attractors
     from .causality import CausalGraph, assign_causality
     from .causality_report import CausalityReport, report_causality
     from .cycles import (
@@ -75,6 +76,8 @@ if TYPE_CHECKING:
     from .symbolic import SymbolicSystem, routh_hurwitz, symbolic_system
 
 _HOME = {
+    "Attractor": "attractors",
+    "Attractors": "attractors",
     "Block": "elements",
     "BondGraph": "graph",
     "BondGraphError": "errors",
@@ -130,6 +133,7 @@ _HOME = {
     "assign_causality": "causality",
     "derive": "equations",
     "eigenvalue_map": "stability",
+    "find_attractors": "attractors",
     "fit": "discrepancy.fitting",
     "in_mode": "modes",
     "limit_cycle": "cycles",
@@ -152,6 +156,8 @@ _HOME = {
 __all__ = [
     "assemble",
     "assign_causality",
+    "Attractor",
+    "Attractors",
     "Block",
     "BondGraph",
     "BondGraphError",
@@ -170,6 +176,7 @@ __all__ = [
     "EigenvalueMap",
     "EndStop",
     "Equations",
+    "find_attractors",
     "fit",
     "discover",
     "Discovery",

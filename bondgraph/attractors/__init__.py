@@ -1,0 +1,11 @@
+"""Attractors: what a model ends in from several starts, beside the linear verdict.
+
+`find_attractors` (`find`) runs a model from `starts` until each run has settled (`settle`): at a
+`rest`, in a cycle, beyond all bounds. `pushes` sizes the pushes of the steady state, `basin` finds
+the smallest that leaves it. `bench` is what all runs share; `described` and `value` the result.
+"""
+
+from .find import find_attractors
+from .value import Attractor, Attractors, BasinEdge, Point
+
+__all__ = ["Attractor", "Attractors", "BasinEdge", "Point", "find_attractors"]
