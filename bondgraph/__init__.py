@@ -10,7 +10,7 @@ import logging
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from .attractors import Attractor, Attractors, find_attractors
+    from .attractors import Attractor, Attractors, Reach, find_attractors, reach
     from .causality import CausalGraph, assign_causality
     from .causality_report import CausalityReport, report_causality
     from .cycles import (
@@ -114,6 +114,7 @@ _HOME = {
     "Parameter": "parameters",
     "PeriodicOrbit": "cycles",
     "R": "elements",
+    "Reach": "attractors",
     "RField": "elements",
     "RS": "elements",
     "Samples": "simulation",
@@ -141,6 +142,7 @@ _HOME = {
     "load": "files",
     "periodic_orbit": "cycles",
     "poincare_section": "cycles",
+    "reach": "attractors",
     "report_causality": "causality_report",
     "routh_hurwitz": "symbolic",
     "save": "files",
@@ -204,6 +206,8 @@ __all__ = [
     "PeriodicOrbit",
     "poincare_section",
     "R",
+    "Reach",
+    "reach",
     "report_causality",
     "RField",
     "routh_hurwitz",

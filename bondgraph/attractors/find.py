@@ -185,6 +185,8 @@ def _poles(bench: Bench, values: dict[str, float], rest: Rest | None, own: Array
             p,
             numpy.zeros(len(chart.equations.algebraic)),
         )
+        if x is None:
+            return numpy.zeros(0)
         matrix = smooth.state_matrix(x, u, p)[numpy.ix_(chart.moving, chart.moving)]
         return numpy.linalg.eigvals(matrix) if matrix.size else numpy.zeros(0)
     except (BondGraphError, TypeError, numpy.linalg.LinAlgError):

@@ -154,7 +154,8 @@ def settle(
     -------
     Settled
     """
-    t, length, look, notes = 0.0, clock.first, clock.first / 2, []
+    t, length, look = 0.0, clock.first, clock.first / 2
+    notes: list[str] = []
     largest = numpy.maximum(numpy.abs(x), sizes)
     entered = dict.fromkeys(bench.model.contact_names, 0)
     guess: dict[str, float] = {}

@@ -3,8 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
+from ..units import from_si
 from .value import Attractor, Attractors, BasinEdge
+
+if TYPE_CHECKING:
+    from .reach import Change, ReachPoint
 
 
 def in_words(result: Attractors) -> str:
@@ -146,3 +151,50 @@ def _open(result: Attractors) -> str:
         return ""
     runs = f"{len(left)} of {len(result.ends)} runs"
     return f"{runs} had not settled when {'it' if len(left) == 1 else 'they'} ended."
+
+
+def reach_words(
+    name: str, unit: str, points: Sequence[ReachPoint], changes: Sequence[Change]
+) -> str:
+    """Say what a model's own start ends in along a parameter.
+
+    Examples
+    --------
+    >>> reach_words("tau", "s", [], [])
+    ''
+    """
+    if not points:
+        return ""
+    parts: list[tuple[float | None, float | None, ReachPoint]] = []
+    low: float | None = None
+    for change in changes:
+        parts.append((low, change.value, change.before))
+        low = change.value
+    parts.append((low, None, points[-1]))
+    said = []
+    for low, high, point in parts:
+        where = f" from {_valued(low, unit)}" if low is not None else ""
+        where += f" up to {_valued(high, unit)}" if high is not None else ""
+        where = where if high is not None or low is None else f" above {_valued(low, unit)}"
+        said.append(f"{_ending(point)}{where}")
+    if len(said) == 1:
+        return f"At every {name} looked at the own start ends {said[0]}."
+    return f"With {name} the own start ends {'; '.join(said)}."
+
+
+def _valued(value: float | None, unit: str) -> str:
+    assert value is not None
+    return f"{from_si(value, unit):.4g}{' ' + unit if unit else ''}"
+
+
+def _ending(point: ReachPoint) -> str:
+    if point.outcome == "cycle":
+        kind = "a stick-slip cycle" if any(0 < s < 1 for s in point.held.values()) else "a cycle"
+        return f"in {kind} ({point.frequency_hz:.4g} Hz there)"
+    return {
+        "steady": "in the steady state",
+        "unbounded": "beyond all bounds",
+        "unsettled": "unsettled",
+        "stopped": "early, stopped by the solver",
+        "refused": "nowhere, as the run cannot begin",
+    }[point.outcome]
