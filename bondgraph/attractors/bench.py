@@ -15,12 +15,16 @@ from ..equations import Equations, derive
 from ..errors import SteadyStateError
 from ..graph import TIME, BondGraph
 from ..modes import in_mode
-from ..simulation import CompiledModel, Trajectory, simulate
+from ..simulation import CompiledModel, Outcome, Trajectory, simulate
 from ..smooth import Smooth
 from ..steady import input_values
 from ..values import parameter_values
 
 Array = numpy.ndarray
+
+# More steps than these in one stage, or steps too small, and a smooth model is tried as a stiff one.
+MOST_STEPS = 2_000_000
+STIFF = (Outcome.STEP_LIMIT, Outcome.STEP_UNDERFLOW)
 
 
 class Chart:
@@ -170,17 +174,13 @@ class Bench:
     ) -> Trajectory:
         """Simulate from given states."""
         initial = {**(guess or {}), **dict(zip(self.names, map(float, x), strict=True))}
-        return simulate(
-            self.model,
-            span,
-            values,
-            initial,
-            self.inputs,
-            rows,
-            rtol,
-            time_budget=max(seconds, 0.05),
-            max_step=max_step,
-        )
+        numbers = (self.model, span, values, initial, self.inputs, rows, rtol)
+        limits: dict[str, Any] = {"time_budget": max(seconds, 0.05), "max_step": max_step}
+        run = simulate(*numbers, max_steps=MOST_STEPS, **limits)
+        if run.outcome in STIFF and run.solver == "dopri5" and not self.model.contact_names:
+            stiff = simulate(*numbers, solver="rosenbrock", **limits)
+            return stiff if stiff.t_end > run.t_end else run
+        return run
 
 
 def _needed(equations: Equations, graph: BondGraph) -> set[Any]:

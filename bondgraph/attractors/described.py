@@ -9,7 +9,8 @@ import numpy
 from ..cycles import Amplitude, LimitCycle, PeriodicOrbit
 from ..simulation import Trajectory
 from .bench import Bench
-from .settle import Settled
+from .rest import FREE, Rest
+from .settle import Settled, verdict
 from .value import Attractor
 
 Array = numpy.ndarray
@@ -60,11 +61,16 @@ def described(bench: Bench, values: dict[str, float], settled: Settled, start: s
             modes=dict(rest.modes),
             isolated=rest.isolated,
         )
-    names = _shown(bench)
     with numpy.errstate(all="ignore"):
-        shown = {name: _plain(run[name]) for name in names}
+        shown = {name: _plain(run[name]) for name in _shown(bench)}
     states = dict(zip(bench.names, map(float, run.x_end), strict=True))
-    return _attractor(bench, run, settled.kind, (start,), shown, notes, states=states)
+    modes = {
+        name: bench.graph[name].label(int(code))
+        for name, code in zip(bench.model.contact_names, run.codes_end, strict=True)
+    }
+    if settled.kind != "steady":
+        modes = {}
+    return _attractor(bench, run, settled.kind, (start,), shown, notes, states=states, modes=modes)
 
 
 def _attractor(
@@ -125,7 +131,7 @@ def _cycle(bench: Bench, values: dict[str, float], settled: Settled, start: str)
         run, period = _round(bench, values, orbit), orbit.period
         cycle = _as_cycle(bench, run, period)
         multipliers = tuple(complex(m) for m in orbit.multipliers)
-        stable = {"stable": True, "unstable": False}.get(orbit.verdict)
+        stable = {"stable": True, "unstable": False}.get(verdict(orbit))
         notes += orbit.notes
     names = _shown(bench)
     states = dict(zip(bench.names, map(float, run.x[:, 0]), strict=True))
@@ -141,7 +147,6 @@ def _cycle(bench: Bench, values: dict[str, float], settled: Settled, start: str)
         events_per_period=cycle.events_per_period,
         held={name: float(share) for name, share in cycle.held.items()},
         states=states,
-        isolated=orbit is None or orbit.verdict != "undecided",
         multipliers=multipliers,
     )
 
@@ -197,7 +202,8 @@ def same(bench: Bench, one: Attractor, other: Attractor, sizes: Array) -> bool:
     if one.kind in ("unsettled", "stopped"):
         return one.notes[:1] == other.notes[:1]
     if one.kind == "steady":
-        if one.modes != other.modes or one.isolated != other.isolated:
+        known = one.stable is not None and other.stable is not None
+        if known and (one.modes != other.modes or one.isolated != other.isolated):
             return False
         off = numpy.abs(_point(one) - _point(other)) / numpy.where(sizes > 0, sizes, 1.0)
         return not one.isolated or bool(off[bench.moving].max(initial=0.0) <= SAME)
@@ -226,6 +232,17 @@ def _near(bench: Bench, one: Array, other: Array) -> bool:
     size = numpy.where(swing > 1e-3 * both.max(axis=0), swing, both.max(axis=0))
     off = numpy.abs(one - other) / numpy.where(size > 0, size, 1.0)
     return bool(off[:, bench.moving].max(initial=0.0) <= SAME)
+
+
+def among_many(item: Attractor, rest: Rest | None) -> Attractor:
+    """Mark a cycle about a steady state without damping: others of any size lie beside it."""
+    if rest is None or item.kind != "cycle" or item.stable is not None:
+        return item
+    sizes = numpy.abs(rest.poles)
+    free = numpy.abs(rest.poles.real) <= FREE * sizes.max(initial=0.0)
+    if rest.growth == 0 and (rest.poles.imag[free] != 0).any():
+        return replace(item, isolated=False)
+    return item
 
 
 def merged(one: Attractor, start: str) -> Attractor:

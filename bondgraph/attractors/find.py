@@ -16,10 +16,10 @@ from ..simulation import CompiledModel
 from ..smooth import Smooth
 from .basin import edge_along
 from .bench import Bench
-from .described import described, merged, same
+from .described import among_many, described, merged, same
 from .pushes import SMALL, Push, pushes
 from .rest import Rest, maybe_rest, sizes_of
-from .settle import Clock, Settled, clock_for, settle
+from .settle import Clock, Settled, clock_for, settle, verdict
 from .starts import starts_of
 from .value import Attractor, Attractors, Point
 from .words import in_words
@@ -121,7 +121,7 @@ def find_attractors(
         except BondGraphError as error:
             notes.append(f"start {name!r} could not be run: {error}")
             continue
-        ends[name] = _placed(bench, values, (found, known), went, name, sizes)
+        ends[name] = _placed(bench, (values, rest), (found, known), went, name, sizes)
     _said(found, rest, notes)
     knock = None
     if edge and rest is not None:
@@ -145,21 +145,21 @@ def find_attractors(
 
 def _placed(
     bench: Bench,
-    values: dict[str, float],
+    given: tuple[dict[str, float], Rest | None],
     so_far: tuple[list[Attractor], list[tuple[int, PeriodicOrbit]]],
     went: Settled,
     name: str,
     sizes: Array,
 ) -> int:
     """Put where a run went among the attractors found, and return its place."""
-    found, known = so_far
+    (values, rest), (found, known) = given, so_far
     place = known[went.known][0] if went.known is not None else None
     if place is None:
-        item = described(bench, values, went, name)
+        item = among_many(described(bench, values, went, name), rest)
         place = next((i for i, old in enumerate(found) if same(bench, old, item, sizes)), None)
         if place is None:
             found.append(item)
-            if went.orbit is not None and item.isolated:
+            if went.orbit is not None and verdict(went.orbit) == "stable":
                 known.append((len(found) - 1, went.orbit))
             return len(found) - 1
     found[place] = merged(found[place], name)

@@ -221,7 +221,8 @@ def _crossings(
     # smaller than these the rates of a push drown in rounding
     size = 1e-6 * unit if unit else 1e-15 / largest
     end = min(touch, 1e9 * unit if unit else 1e12 / largest)
-    before, scale, found, fine = (0.0, rest.poles[index].real), numpy.inf, [], False
+    found: list[tuple[float, bool]] = []
+    before, scale, fine = (0.0, float(rest.poles[index].real)), numpy.inf, False
     while size < end and len(found) < MOST_CROSSINGS:
         growth, off = averaged_growth(rest, index, vector, size)
         if not (numpy.isfinite(growth) and numpy.isfinite(off)):

@@ -28,6 +28,8 @@ ENOUGH = 12
 LIKE = 0.02
 # Without an orbit, what is left of the way to a cycle, by the steps from period to period.
 LEFT = 1e-3
+# A double multiplier of one is known to about the root of what others are.
+DOUBLE = 1e-4
 # A state so many times the largest it began with has no bound.
 BEYOND = 1e6
 # While contacts go on changing their modes a run gets so many times its horizon.
@@ -170,7 +172,7 @@ def settle(
             kind, note = ended
             return Settled(kind, run, run.t_end, note=note, entered=entered)
         rest, note = _at_rest(bench, values, run, largest)
-        if rest is not None:
+        if rest is not None or _still(bench, run, x, largest):
             return Settled("steady", run, run.t_end, rest, note=note, entered=entered)
         found = _in_cycle(bench, run, largest, (known, orbits), notes)
         if found is not None:
@@ -225,7 +227,7 @@ def _ended(bench: Bench, run: Trajectory, largest: Array) -> tuple[str, str] | N
 def _at_rest(
     bench: Bench, values: dict[str, float], run: Trajectory, largest: Array
 ) -> tuple[Rest | None, str]:
-    """Return the steady state that a run has come to, if it has."""
+    """Return the steady state that a run has come to, if it has, or why that is not known."""
     if any(event.t > run.t[0] for event in run.events):
         return None, ""
     graph = bench.graph
@@ -239,9 +241,11 @@ def _at_rest(
     moved = numpy.ptp(late, axis=1)[bench.moving] / sizes
     if moved.max(initial=0.0) > 10 * NEAR:
         return None, ""
-    rest, _ = maybe_rest(bench, values, run.x_end, modes)
-    if rest is None or rest.modes != modes:
-        return None, ""
+    rest, reason = maybe_rest(bench, values, run.x_end, modes)
+    if rest is None:
+        return None, f"small motions about it are not known: {reason}"
+    if rest.modes != modes:
+        return None, "small motions about it are not known: its contacts are between two modes"
     away = (numpy.abs(run.x - rest.vector[:, None])[bench.moving] / sizes[:, None]).max(
         axis=0, initial=0.0
     )
@@ -256,6 +260,16 @@ def _at_rest(
     )
     shrinks = after <= before * (1 - 0.3 * (1 - numpy.exp(-slowest * span)))
     return (rest, "") if after <= NEAR and rest.stable and shrinks else (None, "")
+
+
+def _still(bench: Bench, run: Trajectory, begin: Array, largest: Array) -> bool:
+    """Whether nothing has moved since the stage before, whatever small motions do."""
+    if run.t_end < 2 * (run.t_end - run.t[0]) or any(event.t > run.t[0] for event in run.events):
+        return False
+    sizes = numpy.where(largest > 0, largest, 1.0)[bench.moving, None]
+    points = numpy.column_stack([begin, run.x])[bench.moving]
+    moved = numpy.ptp(points, axis=1, keepdims=True) / sizes
+    return bool(moved.max(initial=0.0) <= THERE)
 
 
 # ---------------------------------------------------------------------- in a cycle
@@ -273,7 +287,9 @@ def _in_cycle(
     if candidate is None:
         return None
     cycle, part = candidate
-    place = next((i for i, orbit in enumerate(known) if alike(bench, part, cycle, orbit)), None)
+    place = next(
+        (i for i, orbit in enumerate(known) if alike(bench, part, cycle, orbit, sizes)), None
+    )
     if place is not None:
         return Settled("cycle", part, run.t_end, cycle=cycle, known=place)
     if bench.free:
@@ -284,16 +300,16 @@ def _in_cycle(
         except (BondGraphError, numpy.linalg.LinAlgError) as error:
             said = f"the orbit was not closed: {error}"
         else:
-            if not alike(bench, part, cycle, orbit):
+            if not alike(bench, part, cycle, orbit, sizes):
                 notes.append("the run is not yet near a cycle")
                 return None
-            if orbit.verdict == "unstable":
+            if verdict(orbit) == "unstable":
                 notes.append(f"it passed a cycle of {orbit.frequency_hz:.6g} Hz that repels")
                 return None
             return Settled("cycle", part, run.t_end, cycle=cycle, orbit=orbit)
     else:
         said = ""
-    left = _way_left(bench, part, cycle)
+    left = _way_left(bench, part, cycle, sizes)
     if left <= LEFT:
         return Settled("cycle", part, run.t_end, cycle=cycle, note=said)
     notes.append(f"its periods of {cycle.period:.4g} s repeat to {left:.2g} of their size")
@@ -307,6 +323,17 @@ def _periods_seen(bench: Bench, run: Trajectory, sizes: Array) -> int:
         return max(late.count(item) for item in set(late))
     signal = _liveliest(bench, run, sizes)
     return 0 if signal is None else len(signal[2])
+
+
+def verdict(orbit: PeriodicOrbit) -> str:
+    """Return whether an orbit attracts; one among others of any size is ``"undecided"``.
+
+    There two multipliers are one, and rounding moves each by its own root.
+    """
+    sizes = numpy.abs(orbit.floquet.others)
+    if orbit.verdict == "unstable" and sizes.max(initial=0.0) < 1 + DOUBLE:
+        return "undecided"
+    return orbit.verdict
 
 
 def _measured(bench: Bench, run: Trajectory, sizes: Array) -> tuple[LimitCycle, Trajectory] | None:
@@ -324,7 +351,7 @@ def _measured(bench: Bench, run: Trajectory, sizes: Array) -> tuple[LimitCycle, 
                 break
             part = _since(run, times[-min(count, len(times))])
             found = _cycle(part, element=name, mode=mode)
-            if found is not None and _steady_swing(bench, part, found):
+            if found is not None and _steady_swing(bench, part, found, sizes):
                 return found, part
     if late and chosen and len(marks[chosen[0]]) > 3:
         return None
@@ -337,7 +364,7 @@ def _measured(bench: Bench, run: Trajectory, sizes: Array) -> tuple[LimitCycle, 
             break
         part = _since(run, times[-min(count, len(times))])
         found = _cycle(part, signal=name, value=level)
-        if found is not None and _steady_swing(bench, part, found):
+        if found is not None and _steady_swing(bench, part, found, sizes):
             return found, part
     return None
 
@@ -384,7 +411,7 @@ def _liveliest(bench: Bench, run: Trajectory, sizes: Array) -> tuple[str, float,
     return bench.names[best[1]], level, run.t[ups]
 
 
-def _steady_swing(bench: Bench, part: Trajectory, cycle: LimitCycle) -> bool:
+def _steady_swing(bench: Bench, part: Trajectory, cycle: LimitCycle, largest: Array) -> bool:
     """Whether the swings of the last two periods are alike."""
     late, early = (
         _extremes(part, float(end) - cycle.period, float(end))
@@ -393,7 +420,7 @@ def _steady_swing(bench: Bench, part: Trajectory, cycle: LimitCycle) -> bool:
     if late is None or early is None:
         return False
     swing = numpy.maximum(late[1] - late[0], early[1] - early[0])
-    sizes = numpy.maximum(swing, 1e-3 * numpy.abs(late).max(axis=0))
+    sizes = numpy.maximum(swing, 1e-3 * numpy.maximum(numpy.abs(late).max(axis=0), largest))
     off = numpy.abs(late - early) / numpy.where(sizes > 0, sizes, 1.0)
     return bool(off[:, bench.moving].max(initial=0.0) <= 2.5 * LIKE)
 
@@ -408,7 +435,7 @@ def _extremes(run: Trajectory, begin: float, end: float) -> Array | None:
 
 
 def alike(
-    bench: Bench, part: Trajectory, cycle: LimitCycle, orbit: PeriodicOrbit, share: float = LIKE
+    bench: Bench, part: Trajectory, cycle: LimitCycle, orbit: PeriodicOrbit, largest: Array
 ) -> bool:
     """Whether the last period of a run is near a closed orbit.
 
@@ -419,14 +446,14 @@ def alike(
     cycle : LimitCycle
         Of the run.
     orbit : PeriodicOrbit
-    share : float
-        Of the orbit's own swings.
+    largest : (n,) array
+        Sizes of the states: a small part of these is no difference.
 
     Returns
     -------
     bool
     """
-    if abs(cycle.period / orbit.period - 1) > share:
+    if abs(cycle.period / orbit.period - 1) > LIKE:
         return False
     last = float(cycle.times[-1])
     swings = _extremes(part, last - cycle.period, last)
@@ -435,12 +462,13 @@ def alike(
     whole = orbit.run.x
     own = numpy.array([whole.min(axis=1), whole.max(axis=1)])
     width = own[1] - own[0]
-    sizes = numpy.maximum(width, 0.05 * numpy.abs(own).max(axis=0))
+    base = numpy.maximum(0.05 * numpy.abs(own).max(axis=0), 1e-3 * largest)
+    sizes = numpy.maximum(width, base)
     off = numpy.abs(swings - own) / numpy.where(sizes > 0, sizes, 1.0)
-    return bool(off[:, bench.moving].max(initial=0.0) <= share)
+    return bool(off[:, bench.moving].max(initial=0.0) <= LIKE)
 
 
-def _way_left(bench: Bench, part: Trajectory, cycle: LimitCycle) -> float:
+def _way_left(bench: Bench, part: Trajectory, cycle: LimitCycle, sizes: Array) -> float:
     """Return how far a run still is from a cycle, beside its size, by its steps from period to period."""
     from ..cycles.again import again
 
@@ -453,7 +481,7 @@ def _way_left(bench: Bench, part: Trajectory, cycle: LimitCycle) -> float:
         run = again(part, (float(part.t[0]), float(times[-1])), part.x[:, 0], z, times, 1e-10)
     except SimulationError:
         return numpy.inf
-    swing = numpy.ptp(part.x, axis=1)
+    swing = numpy.maximum(numpy.ptp(part.x, axis=1), 1e-3 * sizes)
     size = numpy.where(swing > 0, swing, 1.0)[bench.moving]
     steps = numpy.abs(numpy.diff(run.x, axis=1)[bench.moving] / size[:, None]).max(axis=0)
     if len(steps) < 2:

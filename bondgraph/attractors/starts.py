@@ -56,9 +56,9 @@ def starts_of(
                 except BondGraphError:
                     continue
                 found[f"{push.label} {word}{direction}"] = x
-    for name, x in (("held", held(bench, values, rest)), ("at rest", still(bench, rest))):
-        if x is not None:
-            found[name] = x
+    for name, point in (("held", held(bench, values, rest)), ("at rest", still(bench, rest))):
+        if point is not None:
+            found[name] = point
     return {name: x for name, x in found.items() if numpy.isfinite(x).all()}
 
 

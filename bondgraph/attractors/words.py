@@ -82,6 +82,8 @@ def _living(result: Attractors) -> str:
         return f"{steady} neither attracts nor repels: cycles of any size lie about it."
     if result.steady:
         return f"{steady} is stable, and every start that settled ends in it: no cycle was found."
+    if any(item.kind == "steady" for item in result.found):
+        return "Runs come to rest, but whether small motions about it decay is not known."
     return "Neither a stable steady state nor a cycle was found."
 
 
