@@ -9,6 +9,7 @@ References
 Okabe, Ito, Color universal design, 2008 (the palette).
 """
 
+from .attractors import attractor_plot, reach_plot
 from .courses import (
     course_plot,
     gap_course,
@@ -35,6 +36,7 @@ __all__ = [
     "PALETTE",
     "Signal",
     "application",
+    "attractor_plot",
     "coherence_plot",
     "course_plot",
     "frequency_gaps",
@@ -48,6 +50,7 @@ __all__ = [
     "overview",
     "phase_plane",
     "pretty",
+    "reach_plot",
     "region_gaps",
     "root_locus",
     "save",
