@@ -19,8 +19,10 @@ from ..simulation import CompiledModel
 from ..stability.vary import Vary, as_vary
 from .bench import Bench
 from .described import described
+from .pushes import pushes
 from .rest import Rest, maybe_rest, sizes_of
 from .settle import clock_for, settle
+from .starts import off_rest
 from .value import SCHEMA, number
 from .words import reach_words
 
@@ -31,6 +33,8 @@ FIRST_PART = 4
 # Frequencies of neighbours that differ by more are looked at: they may belong to two cycles.
 JUMP, STILL_JUMP = 0.02, 0.01
 HALVINGS = 3
+# Next to zero a change is as sharp as beside this part of the range.
+NEAR_ZERO = 0.01
 
 
 @dataclass(frozen=True, eq=False)
@@ -230,9 +234,9 @@ def reach(
     Examples
     --------
     >>> from bondgraph.models import bicycle_brake
-    >>> found = reach(bicycle_brake.graph(), ("tau", 0.01, 0.05, 3), {"mu_s": 0.42})
-    >>> found.outcomes
-    ('cycle', 'steady', 'steady')
+    >>> found = reach(bicycle_brake.graph(), ("tau", 0.02, 0.04, 3), {"mu_s": 0.5})
+    >>> found.outcomes, round(found.changes[0].value, 3)
+    (('cycle', 'steady', 'steady'), 0.026)
     """
     bench = Bench(graph, inputs)
     item = _in_si(bench, as_vary(vary))
@@ -256,7 +260,7 @@ def reach(
         if time.process_time() > until:
             notes.append("no seconds were left to bisect all changes; raise budget")
             break
-        change = _change(line.at, before, after, (sharp, until))
+        change = _change(line.at, before, after, (sharp, NEAR_ZERO * (high - low), until))
         if change is not None:
             changes.append(change)
     bad = [point for point in points if point.outcome in ("unsettled", "stopped", "refused")]
@@ -297,11 +301,18 @@ class _Line:
         self.last: Rest | None = None
         # one length for all points, so that counts compare
         self.span = 0.0
+        refusal: BondGraphError | None = None
         for value in (item.lo, (item.lo + item.hi) / 2, item.hi):
-            rest, _ = self._rest(self._values(value))
+            try:
+                rest, _ = self._rest(self._values(value))
+            except BondGraphError as error:  # such as a mass below zero: told at its point
+                refusal = error
+                continue
             poles = numpy.zeros(0) if rest is None else rest.poles
             first = clock_for(poles, limits[0], until=limits[1]).first
             self.span = max(self.span, FIRST_PART * first)
+        if refusal is not None and not self.span:
+            raise refusal
 
     def _values(self, value: float) -> dict[str, float]:
         if self.is_input:
@@ -332,6 +343,9 @@ class _Line:
         rest, _ = self._rest(values)
         poles = numpy.zeros(0) if rest is None else rest.poles
         clock = clock_for(poles, horizon, until=until, rtol=rtol)
+        if rest is not None and rest.growth >= 0:
+            sizes = sizes_of(bench, values, numpy.array([own, rest.vector]))
+            own = off_rest(own, rest, pushes(rest, own, sizes))
         first = bench.run(values, own, (0.0, self.span), rtol=rtol, seconds=clock.left)
         self.units = self.units or {n: first.unit(n) for n in bench.model.equations.outputs}
         entered = dict.fromkeys(bench.model.contact_names, 0)
@@ -388,12 +402,12 @@ def _change(
     at: Callable[[float], ReachPoint],
     before: ReachPoint,
     after: ReachPoint,
-    limits: tuple[float, float],
+    limits: tuple[float, float, float],
 ) -> Change | None:
     """Bisect a change; None where a cycle's frequency turns out to change bit by bit."""
-    sharp, until = limits
+    sharp, least, until = limits
     alike, apart, halvings = before.outcome == after.outcome, _apart(before, after), 0
-    while after.value - before.value > sharp * max(abs(before.value), abs(after.value)):
+    while after.value - before.value > sharp * max(abs(before.value), abs(after.value), least):
         if time.process_time() > until:
             break
         middle = at((before.value + after.value) / 2)

@@ -10,7 +10,7 @@ import numpy
 from ..elements import DryFriction, I
 from ..errors import BondGraphError
 from .bench import Bench
-from .pushes import Push
+from .pushes import SMALL, Push
 from .rest import Rest
 
 Array = numpy.ndarray
@@ -60,6 +60,33 @@ def starts_of(
         if point is not None:
             found[name] = point
     return {name: x for name, x in found.items() if numpy.isfinite(x).all()}
+
+
+def off_rest(x: Array, rest: Rest | None, along: tuple[Push, ...]) -> Array:
+    """Return a start, pushed slightly where it is a steady state that is not stable.
+
+    A run would stay there for ever.
+
+    Parameters
+    ----------
+    x : (n,) array
+    rest : Rest or None
+    along : tuple of Push
+        Its pushes, the fastest growing first.
+
+    Returns
+    -------
+    (n,) array
+        The same array where it is none.
+    """
+    if rest is None or rest.growth < 0 or not along:
+        return x
+    first = along[0]
+    reach = first.scale * float(numpy.abs(first.vector).max())
+    size = numpy.maximum(numpy.abs(rest.vector), reach)
+    if (numpy.abs(x - rest.vector) > 1e-9 * size).any():
+        return x
+    return rest.at(first.change(SMALL * first.scale))
 
 
 def still(bench: Bench, rest: Rest) -> Array | None:
