@@ -1,7 +1,7 @@
 """Attractors: what a model ends in from several starts, beside the linear verdict.
 
 `find_attractors` (`find`) runs a model from `starts` until each run has settled (`settle`): at a
-`rest`, in a cycle, beyond all bounds. `pushes` sizes the pushes of the steady state, `basin` finds
+`rest`, `going_round` a cycle, beyond all bounds. `pushes` sizes the pushes of the steady state, `basin` finds
 the smallest that leaves it; `reach` follows the own start along a parameter. `bench` is what all
 runs share; `described` and `value` the result.
 """

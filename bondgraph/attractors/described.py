@@ -9,8 +9,9 @@ import numpy
 from ..cycles import Amplitude, LimitCycle, PeriodicOrbit
 from ..simulation import Trajectory
 from .bench import Bench
+from .going_round import onward, verdict
 from .rest import FREE, Rest
-from .settle import Settled, verdict
+from .settle import Settled
 from .value import Attractor
 
 Array = numpy.ndarray
@@ -223,6 +224,8 @@ def _swings(item: Attractor) -> Array:
     x, period = item.run.x, item.period
     assert period is not None
     late = x[:, item.run.t >= item.run.t[-1] - period * (1 + 1e-9)]
+    turning = onward(item.run, numpy.zeros(len(x))) & (item.multipliers is None)
+    late = numpy.where(turning[:, None], 0.0, late)  # how often it has turned is no matter
     return numpy.array([late.min(axis=1), late.max(axis=1)])
 
 

@@ -17,9 +17,10 @@ from ..smooth import Smooth
 from .basin import edge_along
 from .bench import Bench
 from .described import among_many, described, merged, same
+from .going_round import verdict
 from .pushes import Push, pushes
 from .rest import Rest, maybe_rest, sizes_of
-from .settle import Clock, Settled, clock_for, settle, verdict
+from .settle import Clock, Settled, clock_for, settle
 from .starts import off_rest, starts_of
 from .value import Attractor, Attractors, Point
 from .words import in_words

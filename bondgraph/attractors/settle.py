@@ -4,32 +4,24 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy
 
-from ..cycles import LimitCycle, PeriodicOrbit, limit_cycle, periodic_orbit
-from ..errors import BondGraphError, SimulationError
+from ..cycles import LimitCycle, PeriodicOrbit
 from ..simulation import Outcome, Trajectory
 from .bench import Bench
+from .going_round import Ways, periods_seen, round_of
 from .rest import FREE, Rest, maybe_rest
 
 Array = numpy.ndarray
 
 ROWS = 1500
-# Crossings of a section kept for measuring a period, tried in turn.
-CROSSINGS = (7, 26)
 # Distances beside the states' sizes: so near a stable steady state a run returns if it shrinks,
 # and so near whatever it does.
 NEAR, THERE = 1e-3, 1e-7
 # With more periods than this in the rows, the next stage's rows are not spread any wider.
 ENOUGH = 12
-# A run is in a cycle if its swings are this near those of the closed orbit.
-LIKE = 0.02
-# Without an orbit, what is left of the way to a cycle, by the steps from period to period.
-LEFT = 1e-3
-# A double multiplier of one is known to about the root of what others are.
-DOUBLE = 1e-4
 # A state so many times the largest it began with has no bound.
 BEYOND = 1e6
 # While contacts go on changing their modes a run gets so many times its horizon.
@@ -163,6 +155,7 @@ def settle(
     guess: dict[str, float] = {}
     while True:
         rows = numpy.linspace(t + length - look, t + length, ROWS)
+        before = time.process_time()
         run = bench.run(
             values, x, (t, t + length), rows=rows, rtol=clock.rtol, seconds=clock.left, guess=guess
         )
@@ -174,9 +167,21 @@ def settle(
         rest, note = _at_rest(bench, values, run, largest)
         if rest is not None or _still(bench, run, x, largest):
             return Settled("steady", run, run.t_end, rest, note=note, entered=entered)
-        found = _in_cycle(bench, run, largest, (known, orbits), notes)
+        spent = max(time.process_time() - before, 1e-6)
+        ways = Ways(known, orbits, largest, clock.left * length / spent)
+        found, note = round_of(bench, run, ways)
         if found is not None:
-            return replace(found, entered=entered)
+            return Settled(
+                "cycle",
+                found.part,
+                run.t_end,
+                cycle=found.cycle,
+                orbit=found.orbit,
+                known=found.known,
+                note=found.note,
+                entered=entered,
+            )
+        notes += [note] if note else []
         x, t = run.x_end, t + length
         guess = {
             s.name: float(v)
@@ -184,10 +189,9 @@ def settle(
         }
         limit = clock.horizon * (PATIENCE if run.events else 1.0)
         length = min(2 * length, max(limit - t, 0.0))
-        look = min(look if _periods_seen(bench, run, largest) > ENOUGH else 2 * look, length / 2)
+        look = min(look if periods_seen(bench, run, largest) > ENOUGH else 2 * look, length / 2)
         if length < clock.first / 2 or clock.left <= 0:
-            spent = clock.left <= 0
-            why = "the seconds allowed are used up" if spent else "the horizon ended"
+            why = "the seconds allowed are used up" if clock.left <= 0 else "the horizon ended"
             said = "; ".join(dict.fromkeys(notes))
             note = f"after {t:.4g} s {why} and the run had not settled{': ' if said else ''}{said}"
             return Settled("unsettled", run, t, note=note, entered=entered)
@@ -270,223 +274,3 @@ def _still(bench: Bench, run: Trajectory, begin: Array, largest: Array) -> bool:
     points = numpy.column_stack([begin, run.x])[bench.moving]
     moved = numpy.ptp(points, axis=1, keepdims=True) / sizes
     return bool(moved.max(initial=0.0) <= THERE)
-
-
-# ---------------------------------------------------------------------- in a cycle
-
-
-def _in_cycle(
-    bench: Bench,
-    run: Trajectory,
-    sizes: Array,
-    how: tuple[Sequence[PeriodicOrbit], bool],
-    notes: list[str],
-) -> Settled | None:
-    known, orbits = how
-    candidate = _measured(bench, run, sizes)
-    if candidate is None:
-        return None
-    cycle, part = candidate
-    place = next(
-        (i for i, orbit in enumerate(known) if alike(bench, part, cycle, orbit, sizes)), None
-    )
-    if place is not None:
-        return Settled("cycle", part, run.t_end, cycle=cycle, known=place)
-    if bench.free:
-        said = f"{', '.join(sorted(bench.free))} drift, so the orbit was not closed"
-    elif orbits:
-        try:
-            orbit = periodic_orbit(None, part, cycle.period)
-        except (BondGraphError, numpy.linalg.LinAlgError) as error:
-            said = f"the orbit was not closed: {error}"
-        else:
-            if not alike(bench, part, cycle, orbit, sizes):
-                notes.append("the run is not yet near a cycle")
-                return None
-            if verdict(orbit) == "unstable":
-                notes.append(f"it passed a cycle of {orbit.frequency_hz:.6g} Hz that repels")
-                return None
-            return Settled("cycle", part, run.t_end, cycle=cycle, orbit=orbit)
-    else:
-        said = ""
-    left = _way_left(bench, part, cycle, sizes)
-    if left <= LEFT:
-        return Settled("cycle", part, run.t_end, cycle=cycle, note=said)
-    notes.append(f"its periods of {cycle.period:.4g} s repeat to {left:.2g} of their size")
-    return None
-
-
-def _periods_seen(bench: Bench, run: Trajectory, sizes: Array) -> int:
-    """Return how many periods the rows of a run may show."""
-    late = [(event.element, event.to_mode) for event in run.events if event.t > run.t[0]]
-    if late:
-        return max(late.count(item) for item in set(late))
-    signal = _liveliest(bench, run, sizes)
-    return 0 if signal is None else len(signal[2])
-
-
-def verdict(orbit: PeriodicOrbit) -> str:
-    """Return whether an orbit attracts; one among others of any size is ``"undecided"``.
-
-    There two multipliers are one, and rounding moves each by its own root.
-    """
-    sizes = numpy.abs(orbit.floquet.others)
-    if orbit.verdict == "unstable" and sizes.max(initial=0.0) < 1 + DOUBLE:
-        return "undecided"
-    return orbit.verdict
-
-
-def _measured(bench: Bench, run: Trajectory, sizes: Array) -> tuple[LimitCycle, Trajectory] | None:
-    """Return a repeating motion at the end of a run, and the part of the run that shows it."""
-    graph, middle = bench.graph, float(run.t[0])
-    late = [event for event in run.events if event.t > middle]
-    marks: dict[tuple[str, str], list[float]] = {}
-    for event in late:
-        marks.setdefault((event.element, event.to_mode), []).append(event.t)
-    chosen = sorted(marks, key=lambda key: (graph[key[0]].code(key[1]) != 0, -len(marks[key]), key))
-    for name, mode in chosen[:2]:
-        times = numpy.array(marks[name, mode])
-        for count in CROSSINGS:
-            if len(times) <= 3:
-                break
-            part = _since(run, times[-min(count, len(times))])
-            found = _cycle(part, element=name, mode=mode)
-            if found is not None and _steady_swing(bench, part, found, sizes):
-                return found, part
-    if late and chosen and len(marks[chosen[0]]) > 3:
-        return None
-    signal = _liveliest(bench, run, sizes)
-    if signal is None:
-        return None
-    name, level, times = signal
-    for count in CROSSINGS:
-        if len(times) <= 3:
-            break
-        part = _since(run, times[-min(count, len(times))])
-        found = _cycle(part, signal=name, value=level)
-        if found is not None and _steady_swing(bench, part, found, sizes):
-            return found, part
-    return None
-
-
-def _cycle(part: Trajectory, **how: object) -> LimitCycle | None:
-    try:
-        found = limit_cycle(part, periods=3, tolerance=LIKE / 4, **how)  # type: ignore[arg-type]
-    except SimulationError:
-        return None
-    return found if found.settled else None
-
-
-def _since(run: Trajectory, t: float) -> Trajectory:
-    """Return the rows and events of a run from a little before a time on."""
-    first = max(0, int(numpy.searchsorted(run.t, t, side="left")) - 2)
-    begin = run.t[first]
-    z = run.z[:, first:] if run.z.shape[1] == len(run.t) else run.z
-    return replace(
-        run,
-        t=run.t[first:],
-        x=run.x[:, first:],
-        codes=run.codes[first:],
-        z=z,
-        changes=[change for change in run.changes if change.t > begin],
-    )
-
-
-def _liveliest(bench: Bench, run: Trajectory, sizes: Array) -> tuple[str, float, Array] | None:
-    """Return the state that moves most beside its size, a level, and when it passes that upwards."""
-    best: tuple[float, int] | None = None
-    for place in numpy.flatnonzero(bench.moving):
-        row = run.x[place]
-        swing = float(numpy.ptp(row))
-        if not swing > 10 * THERE * sizes[place]:
-            continue
-        moved = swing / float(numpy.abs(row).max())
-        if best is None or moved > best[0] * 1.01:
-            best = moved, int(place)
-    if best is None:
-        return None
-    row = run.x[best[1]]
-    level = float(numpy.trapezoid(row, run.t) / (run.t[-1] - run.t[0]))
-    ups = numpy.flatnonzero((row[:-1] < level) & (row[1:] >= level))
-    return bench.names[best[1]], level, run.t[ups]
-
-
-def _steady_swing(bench: Bench, part: Trajectory, cycle: LimitCycle, largest: Array) -> bool:
-    """Whether the swings of the last two periods are alike."""
-    late, early = (
-        _extremes(part, float(end) - cycle.period, float(end))
-        for end in (cycle.times[-1], cycle.times[-2])
-    )
-    if late is None or early is None:
-        return False
-    swing = numpy.maximum(late[1] - late[0], early[1] - early[0])
-    sizes = numpy.maximum(swing, 1e-3 * numpy.maximum(numpy.abs(late).max(axis=0), largest))
-    off = numpy.abs(late - early) / numpy.where(sizes > 0, sizes, 1.0)
-    return bool(off[:, bench.moving].max(initial=0.0) <= 2.5 * LIKE)
-
-
-def _extremes(run: Trajectory, begin: float, end: float) -> Array | None:
-    """Return least and most of each state between two times, (2, n) array."""
-    here = (run.t >= begin) & (run.t <= end)
-    if here.sum() < 5:
-        return None
-    part = run.x[:, here]
-    return numpy.array([part.min(axis=1), part.max(axis=1)])
-
-
-def alike(
-    bench: Bench, part: Trajectory, cycle: LimitCycle, orbit: PeriodicOrbit, largest: Array
-) -> bool:
-    """Whether the last period of a run is near a closed orbit.
-
-    Parameters
-    ----------
-    bench : Bench
-    part : Trajectory
-    cycle : LimitCycle
-        Of the run.
-    orbit : PeriodicOrbit
-    largest : (n,) array
-        Sizes of the states: a small part of these is no difference.
-
-    Returns
-    -------
-    bool
-    """
-    if abs(cycle.period / orbit.period - 1) > LIKE:
-        return False
-    last = float(cycle.times[-1])
-    swings = _extremes(part, last - cycle.period, last)
-    if swings is None:
-        return False
-    whole = orbit.run.x
-    own = numpy.array([whole.min(axis=1), whole.max(axis=1)])
-    width = own[1] - own[0]
-    base = numpy.maximum(0.05 * numpy.abs(own).max(axis=0), 1e-3 * largest)
-    sizes = numpy.maximum(width, base)
-    off = numpy.abs(swings - own) / numpy.where(sizes > 0, sizes, 1.0)
-    return bool(off[:, bench.moving].max(initial=0.0) <= LIKE)
-
-
-def _way_left(bench: Bench, part: Trajectory, cycle: LimitCycle, sizes: Array) -> float:
-    """Return how far a run still is from a cycle, beside its size, by its steps from period to period."""
-    from ..cycles.again import again
-
-    period, last = cycle.period, float(cycle.times[-1])
-    times = last - period * (numpy.array([3.0, 2.0, 1.0]) + 0.37) + period
-    if times[0] <= part.t[0]:
-        return numpy.inf
-    z = part.z[:, 0] if len(part.z) else None
-    try:
-        run = again(part, (float(part.t[0]), float(times[-1])), part.x[:, 0], z, times, 1e-10)
-    except SimulationError:
-        return numpy.inf
-    swing = numpy.maximum(numpy.ptp(part.x, axis=1), 1e-3 * sizes)
-    size = numpy.where(swing > 0, swing, 1.0)[bench.moving]
-    steps = numpy.abs(numpy.diff(run.x, axis=1)[bench.moving] / size[:, None]).max(axis=0)
-    if len(steps) < 2:
-        return numpy.inf
-    if steps[1] < 1e-6:
-        return float(steps[1])
-    ratio = steps[1] / max(steps[0], 1e-300)
-    return float(steps[1] / (1 - ratio)) if ratio < 1 else numpy.inf

@@ -189,13 +189,25 @@ def _loop(ax: Axes, item: Attractor, pair: tuple[str, str], index: int) -> None:
         if times:
             places = numpy.clip(numpy.searchsorted(run.t, times), 0, len(run.t) - 1)
             fill = style["color"] if held else "white"
-            dots: dict[str, Any] = {"ms": 4, "mew": 0.9, "color": style["color"], "mfc": fill, "ls": "none"}
+            dots: dict[str, Any] = {
+                "ms": 4,
+                "mew": 0.9,
+                "color": style["color"],
+                "mfc": fill,
+                "ls": "none",
+            }
             ax.plot(x[places], y[places], "o", zorder=3, **dots)
 
 
 def _dot(ax: Axes, at: tuple[float, float], stable: bool) -> None:
     label = "steady state, stable" if stable else "steady state, not stable"
-    style: dict[str, Any] = {"ms": 7, "color": INK, "mfc": INK if stable else "white", "ls": "none", "zorder": 4}
+    style: dict[str, Any] = {
+        "ms": 7,
+        "color": INK,
+        "mfc": INK if stable else "white",
+        "ls": "none",
+        "zorder": 4,
+    }
     ax.plot(*at, "o", label=label, **style)
 
 

@@ -339,6 +339,33 @@ class TestOtherModels:
         assert item.kind == "steady" and item.states["m.p"] == pytest.approx(10.0)
         assert "place.q" in found.notes[0] and "place.q" not in item.amplitudes
 
+    def test_a_rotor_turns_or_hangs(self):
+        # a pendulum pushed by a constant torque: it hangs aslant, or goes round and round
+        parts = (I("J", 1, initial=3), C("g", effort=sympy.sin), R("b", 0.2))
+        found = find_attractors(assemble("rotor", Se("T", 0.5) >> One("l") >> parts))
+        run = solve_ivp(
+            lambda t, y: [y[1], 0.5 - numpy.sin(y[0]) - 0.2 * y[1]],
+            (0, 300),
+            [0.0, 3.0],
+            rtol=1e-10,
+            atol=1e-12,
+            events=lambda t, y: numpy.sin(y[0] / 2),
+        )
+        (cycle,) = found.cycles
+        assert found.beside and found.own is cycle and "g.q" in cycle.notes[0]
+        assert cycle.period == pytest.approx(run.t_events[0][-1] - run.t_events[0][-2], rel=1e-5)
+        late = run.y[1, run.t > 280]
+        swing = cycle.amplitudes["J.p"]
+        assert (swing.least, swing.most) == pytest.approx((late.min(), late.max()), abs=2e-3)
+
+    def test_creeping_heat_is_no_rotation(self):
+        # the belt's stick-slip while something slow still fills: not yet a cycle, and none with a drift
+        slow = One("slow"), C("tank", 1)
+        graph = assemble("both", Se("E", 1) >> slow[0] >> (slow[1], R("leak", 1000)), belt())
+        found = find_attractors(graph)
+        item = found.found[found.ends["own"]]
+        assert item.kind == "cycle" and item.states["tank.q"] == pytest.approx(1.0, abs=0.02)
+
     def test_algebraic_variables_kept(self):
         # a cubic resistance in series with a linear one: the current stays implicit
         loop = One("loop")
