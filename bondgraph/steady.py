@@ -381,7 +381,7 @@ def _against_stops(
             [values[n].margins[list(values[n].element.modes).index("free")] for n in names]
         )
 
-    for _ in range(MAX_ITERATIONS if names else 0):
+    for _ in range(MAX_ITERATIONS if names and len(x) else 0):
         open_gaps = gaps(x)
         if not open_gaps.any() or not numpy.isfinite(open_gaps).all():
             break

@@ -158,7 +158,8 @@ def rest_of(
 def maybe_rest(*arguments: Any, **options: Any) -> tuple[Rest | None, str]:
     """Return a steady state, or None and the reason why there is none."""
     try:
-        return rest_of(*arguments, **options), ""
+        with numpy.errstate(all="ignore"):  # what overflows on the way is no steady state
+            return rest_of(*arguments, **options), ""
     except BondGraphError as error:
         return None, str(error)
 
