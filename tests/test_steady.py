@@ -14,7 +14,6 @@ from scipy.optimize import brentq
 
 from bondgraph import (
     C,
-    EndStop,
     Friction,
     I,
     One,
@@ -251,12 +250,3 @@ class TestStability:
         assert edge.value == pytest.approx(left(slope), rel=1e-9)
         assert set(edge.point.algebraic) == {s.name for s in derive(graph).algebraic}
         assert result.loci[0].gaps
-
-
-def test_pressed_against_a_stop_without_states():
-    v = One("v")
-    graph = assemble(
-        "pressed", Se("F", 3) >> v >> (R("b", 1), EndStop("stop", gap=1, restitution=0))
-    )
-    point = steady_state(graph, modes={"stop": "contact"})
-    assert point.states == {} and point.modes == {"stop": "contact"}

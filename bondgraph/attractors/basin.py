@@ -18,8 +18,10 @@ from .value import Attractor, BasinEdge
 Array = numpy.ndarray
 
 # Sizes tried first grow by this factor, and the edge is bisected to this share.
-GROWTH, SHARP = 1.5, 0.02
+GROWTH, SHARP = 1.2, 0.02
 MOST_SIZES = 24
+# A run so short, beside the fastest mode's time, tells the outputs at its start.
+INSTANT = 1e-9
 
 
 def edge_along(
@@ -33,7 +35,7 @@ def edge_along(
 ) -> BasinEdge | None:
     """Find the smallest push along a mode that does not return to the steady state.
 
-    Sizes grow by half from a fifth of the first that means something, until one leaves; between
+    Sizes grow by a fifth from a fifth of the first that means something, until one leaves; between
     this and the one before, the edge is bisected.
 
     Parameters
@@ -118,7 +120,7 @@ def _edge(
     x = rest.at(push.change(size))
     before, after = (_outputs(bench, rest, state) for state in (rest.vector, x))
     return BasinEdge(
-        along=f"the {push.label} mode",
+        along=f"the {push.label} mode" if push.pole else push.label,
         returns=float(low),
         leaves=float(high),
         outputs={name: after[name] - before[name] for name in after},
@@ -129,17 +131,14 @@ def _edge(
 
 
 def _outputs(bench: Bench, rest: Rest, x: Array) -> dict[str, float]:
-    """Return outputs at states of the model, in the modes of the steady state."""
-    chart = rest.chart
-    named = dict(zip(bench.names, x, strict=True))
-    point = rest.x.copy()
-    point[: len(chart.states)] = [named[name] for name in chart.states]
-    order = len(chart.states)
-    if len(point) > order:
-        solved = chart.smooth.consistent(point[:order], rest.u, rest.p, point[order:])
-        point = point if solved is None else solved
-    found = chart.smooth.outputs(point, rest.u, rest.p)
-    return found or {name: float(named[name]) for name in bench.names}
+    """Return outputs, or states where there are none, in the modes that a run begins in."""
+    names = tuple(bench.model.equations.outputs)
+    if not names:
+        moving = zip(bench.names, x, bench.moving, strict=True)
+        return {name: float(value) for name, value, moves in moving if moves}
+    largest = float(numpy.abs(rest.poles).max(initial=0.0)) or 1.0
+    run = bench.run(rest.values, x, (0.0, INSTANT / largest))
+    return {name: float(run[name][0]) for name in names}
 
 
 def _energy(bench: Bench, rest: Rest, x: Array) -> float | None:

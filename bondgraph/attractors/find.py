@@ -18,7 +18,7 @@ from .basin import edge_along
 from .bench import Bench
 from .described import among_many, described, merged, same
 from .going_round import verdict
-from .pushes import Push, pushes
+from .pushes import Push, push_along, pushes
 from .rest import Rest, maybe_rest, sizes_of
 from .settle import Clock, Settled, clock_for, settle
 from .starts import off_rest, starts_of
@@ -38,7 +38,7 @@ def find_attractors(
     budget: float = 20.0,
     rtol: float = 1e-8,
     floquet: bool = True,
-    edge: bool = True,
+    edge: bool | Mapping[str, float] = True,
 ) -> Attractors:
     """Find what a model ends in, from several starts: steady states and cycles.
 
@@ -64,8 +64,9 @@ def find_attractors(
         Of the runs.
     floquet : bool
         Whether to close each cycle by Newton, which gives its multipliers and a sharp period.
-    edge : bool
-        Whether to look for the smallest push that leaves a stable steady state for a cycle.
+    edge : bool or mapping of str to float
+        Whether to look for the smallest push that leaves a stable steady state for a cycle: along
+        its least damped mode, or along the changes of states given by name.
 
     Returns
     -------
@@ -126,6 +127,8 @@ def find_attractors(
     _said(found, rest, notes)
     knock = None
     if edge and rest is not None:
+        if not isinstance(edge, bool):
+            along = (push_along(rest, edge, own, sizes),)
         knock = _knock(bench, rest, along, (found, known), (clock, sizes), notes)
     result = Attractors(
         model=bench.graph.name,

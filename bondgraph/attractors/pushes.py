@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy
 
 from ..elements import EndStop
+from ..errors import ParameterError
+from ..parameters import unknown_name
 from .rest import FREE, Rest
 
 Array = numpy.ndarray
@@ -97,11 +100,55 @@ def pushes(rest: Rest, own: Array, sizes: Array) -> tuple[Push, ...]:
     if not chosen:
         chosen = here[:1]
     chosen.sort(key=lambda i: -poles[i].real / abs(poles[i]))
+    base = _without_rounding(rest, sizes)
+    return tuple(_push(rest, i, own, base) for i in chosen[:MOST_MODES])
+
+
+def push_along(rest: Rest, direction: Mapping[str, float], own: Array, sizes: Array) -> Push:
+    """Return the push along a given direction; one of size 1 changes states by what is given.
+
+    Parameters
+    ----------
+    rest : Rest
+    direction : mapping of str to float
+        Changes of states by name.
+    own, sizes : (n,) arrays
+        As for `pushes`.
+
+    Returns
+    -------
+    Push
+
+    Raises
+    ------
+    ParameterError
+        For a state that there is not, and a direction without any.
+    """
+    names = list(rest.chart.states)
+    vector = numpy.zeros(len(names))
+    for name, amount in direction.items():
+        if name not in names:
+            raise unknown_name("state", name, names)
+        vector[names.index(name)] = float(amount)
+    if not vector.any() or not numpy.isfinite(vector).all():
+        raise ParameterError(
+            f"a push along {dict(direction)} goes nowhere; give states with numbers that are not zero"
+        )
+    contact, touch, turn = _nearest(rest, vector.astype(complex), 0j)
+    if turn.real < 0:  # this way it leaves the contact
+        contact, touch = None, numpy.inf
+    unit = _unit(_without_rounding(rest, sizes), vector)
+    scale = min(touch, _typical(rest, vector, own, (numpy.inf, unit)))
+    label = ", ".join(direction)
+    return Push(label, 0j, vector.astype(complex), contact, touch, (), scale)
+
+
+def _without_rounding(rest: Rest, sizes: Array) -> Array:
+    """Return how large the chart's states are at rest, zero where that is rounding."""
     size = dict(zip(rest.states, sizes, strict=True))
     base = numpy.array([rest.states.get(name, 0.0) for name in rest.chart.states])
     least = numpy.array([size.get(name, 0.0) for name in rest.chart.states])
-    base = numpy.where(numpy.abs(base) < 0.999 * least, 0.0, numpy.abs(base))
-    return tuple(_push(rest, i, own, base) for i in chosen[:MOST_MODES])
+    return numpy.where(numpy.abs(base) < 0.999 * least, 0.0, numpy.abs(base))
 
 
 def _push(rest: Rest, index: int, own: Array, base: Array) -> Push:

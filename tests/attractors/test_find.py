@@ -25,6 +25,7 @@ from bondgraph import (
     assemble,
     find_attractors,
     linearize,
+    steady_state,
 )
 from bondgraph.models import bicycle_brake, frame_brake, mass_on_belt, quarter_car
 
@@ -200,6 +201,22 @@ class TestBasinEdge:
             ).y[:, -1]
             assert bool(numpy.hypot(*late) < 0.1) is dies
 
+    def test_along_a_given_direction(self, brake):
+        # a blow on the caliper, against the pads' way: how fast it must become
+        blow = {"rear.mass.p": 1.0}
+        found = find_attractors(brake, {"mu_s": 0.5, "tau": 0.02}, edge=blow)
+        edge, p = found.edge, brakes.brake()
+        assert edge.outputs["V_c"] == pytest.approx(edge.leaves / p["m_f"])
+        assert edge.outputs["omega_r"] == edge.outputs["x_c"] == 0.0
+        for size, leaves in ((edge.returns, False), (edge.leaves, True)):
+            state = brakes.sliding(p)
+            state[2] += size / p["m_f"]
+            assert (brakes.frequency(p, state) is not None) is leaves
+        with pytest.raises(BondGraphError, match=r"rear\.mass\.x"):
+            find_attractors(brake, {"mu_s": 0.42}, edge={"rear.mass.x": 1.0})
+        with pytest.raises(BondGraphError, match="goes nowhere"):
+            find_attractors(brake, {"mu_s": 0.42}, edge={"rear.mass.p": 0.0})
+
     def test_none_where_nothing_else_lives(self):
         assert find_attractors(quarter_car.graph()).edge is None
 
@@ -326,6 +343,13 @@ class TestOtherModels:
     def test_no_states(self):
         found = find_attractors(assemble("wire", Se("E", 1) >> One("loop") >> R("r", 2)))
         assert [item.kind for item in found.found] == ["steady"]
+
+    def test_a_stop_in_a_model_without_states(self):
+        v = One("v")
+        stop = EndStop("stop", gap=1, restitution=0)
+        graph = assemble("pressed", Se("F", 3) >> v >> (R("b", 1), stop))
+        assert steady_state(graph, modes={"stop": "contact"}).states == {}
+        assert [item.kind for item in find_attractors(graph).found] == ["steady"]
 
     def test_one_state(self):
         found = find_attractors(assemble("rc", Se("E", 1) >> One("l") >> (R("r", 2), C("c", 3))))
