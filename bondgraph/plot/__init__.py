@@ -9,6 +9,7 @@ References
 Okabe, Ito, Color universal design, 2008 (the palette).
 """
 
+from .attractors import attractor_plot, reach_plot
 from .courses import (
     course_plot,
     gap_course,
@@ -37,6 +38,7 @@ __all__ = [
     "PALETTE",
     "Signal",
     "application",
+    "attractor_plot",
     "bode_plot",
     "coherence_plot",
     "course_plot",
@@ -54,6 +56,7 @@ __all__ = [
     "phase_plane",
     "pole_zero_plot",
     "pretty",
+    "reach_plot",
     "region_gaps",
     "root_locus",
     "save",
