@@ -10,6 +10,7 @@ import logging
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from .attractors import Attractor, Attractors, Reach, find_attractors, reach
     from .causality import CausalGraph, assign_causality
     from .causality_report import CausalityReport, report_causality
     from .cycles import (
@@ -83,6 +84,8 @@ if TYPE_CHECKING:
     from .symbolic import SymbolicSystem, routh_hurwitz, symbolic_system
 
 _HOME = {
+    "Attractor": "attractors",
+    "Attractors": "attractors",
     "Block": "elements",
     "BondGraph": "graph",
     "BondGraphError": "errors",
@@ -123,6 +126,7 @@ _HOME = {
     "Parameter": "parameters",
     "PeriodicOrbit": "cycles",
     "R": "elements",
+    "Reach": "attractors",
     "RField": "elements",
     "RS": "elements",
     "Samples": "simulation",
@@ -142,6 +146,7 @@ _HOME = {
     "assign_causality": "causality",
     "derive": "equations",
     "eigenvalue_map": "stability",
+    "find_attractors": "attractors",
     "fit": "discrepancy.fitting",
     "in_mode": "modes",
     "limit_cycle": "cycles",
@@ -150,6 +155,7 @@ _HOME = {
     "modal_table": "linear",
     "periodic_orbit": "cycles",
     "poincare_section": "cycles",
+    "reach": "attractors",
     "report_causality": "causality_report",
     "routh_hurwitz": "symbolic",
     "save": "files",
@@ -165,6 +171,8 @@ _HOME = {
 __all__ = [
     "assemble",
     "assign_causality",
+    "Attractor",
+    "Attractors",
     "Block",
     "BondGraph",
     "BondGraphError",
@@ -183,6 +191,7 @@ __all__ = [
     "EigenvalueMap",
     "EndStop",
     "Equations",
+    "find_attractors",
     "fit",
     "discover",
     "Discovery",
@@ -214,6 +223,8 @@ __all__ = [
     "PeriodicOrbit",
     "poincare_section",
     "R",
+    "Reach",
+    "reach",
     "report_causality",
     "RField",
     "routh_hurwitz",

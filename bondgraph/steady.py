@@ -428,6 +428,8 @@ def solve_rates(smooth: Smooth, start: Any, u: Any, p: Any) -> tuple[numpy.ndarr
     for _ in range(MAX_ITERATIONS):
         newton = _Newton(smooth.jacobian(x, u, p), residual)
         if not numpy.isfinite(newton.step).all():
+            if not residual.any():  # at rest, where a law has no slope
+                return x, newton.isolated
             break
         if not newton.solvable(x):
             break
@@ -436,7 +438,7 @@ def solve_rates(smooth: Smooth, start: Any, u: Any, p: Any) -> tuple[numpy.ndarr
             return x + newton.step, newton.isolated
         size, trial = _damped(lambda y: smooth.rates(y, u, p), x, newton)
         if size == 0.0:
-            if newton.balanced(x, residual):
+            if newton.balanced(x, residual) or newton.spent(residual, u):
                 return x, newton.isolated
             break
         x, residual = x + size * newton.step, trial
@@ -454,6 +456,8 @@ def _relaxed(smooth: Smooth, start: Any, u: Any, p: Any) -> numpy.ndarray:
     """
     x = numpy.array(start, dtype=float)
     rates, matrix = smooth.rates(x, u, p), smooth.jacobian(x, u, p)
+    if not (numpy.isfinite(rates).all() and numpy.isfinite(matrix).all()):
+        return x
     moving = numpy.arange(len(x)) < smooth.order
     mass = numpy.diag(moving.astype(float))
     fastest = _fastest(smooth, x, u, p)
@@ -543,6 +547,14 @@ class _Newton:
         terms = numpy.abs(self.matrix) @ sizes
         floor = 1e-13 * numpy.abs(self.matrix).max() * sizes.max()
         return bool(numpy.all(numpy.abs(residual / self.scale) <= 1e-9 * terms + floor))
+
+    def spent(self, residual: numpy.ndarray, u: Any) -> bool:
+        """Whether only rounding of what the inputs add up to is left, where no step helps any more.
+
+        Inputs may cancel altogether; then the states, all zero, tell no size.
+        """
+        largest = numpy.abs(numpy.asarray(u, dtype=float)).max(initial=0.0)
+        return self.isolated and bool(numpy.abs(residual).max(initial=0.0) <= 1e-14 * largest)
 
 
 def _damped(rates: Rates, x: numpy.ndarray, newton: _Newton) -> tuple[float, numpy.ndarray]:

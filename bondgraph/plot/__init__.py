@@ -9,6 +9,7 @@ References
 Okabe, Ito, Color universal design, 2008 (the palette).
 """
 
+from .attractors import attractor_plot, reach_plot
 from .bars import feed_bars, sensitivity_bars, share_bars
 from .courses import (
     course_plot,
@@ -38,6 +39,7 @@ __all__ = [
     "PALETTE",
     "Signal",
     "application",
+    "attractor_plot",
     "bode_plot",
     "coherence_plot",
     "course_plot",
@@ -58,6 +60,7 @@ __all__ = [
     "phase_plane",
     "pole_zero_plot",
     "pretty",
+    "reach_plot",
     "region_gaps",
     "root_locus",
     "save",

@@ -25,7 +25,7 @@ def verdict(
     ----------
     system : LinearSystem
     modes : sequence of Mode
-        From `bondgraph.stability.modal_table`.
+        From `bondgraph.linear.modal_table`.
     margins : sequence of Margin, optional
         Nearest first. Where they were not asked for, the second sentence says what feeds and
         drains the mode instead.

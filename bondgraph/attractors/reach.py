@@ -1,0 +1,426 @@
+"""`reach`: what a model's own start ends in along one parameter, and where that changes."""
+
+from __future__ import annotations
+
+import itertools
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy
+
+from ..cycles import Amplitude
+from ..elements import DryFriction
+from ..errors import BondGraphError, SimulationError
+from ..graph import BondGraph
+from ..parameters import unknown_name
+from ..simulation import CompiledModel
+from ..stability.vary import Vary, as_vary
+from .bench import Bench
+from .described import described
+from .pushes import pushes
+from .rest import Rest, maybe_rest, sizes_of
+from .settle import clock_for, settle
+from .starts import off_rest
+from .value import SCHEMA, number
+from .words import reach_words
+
+Array = numpy.ndarray
+
+# The first part of a run, in which sticks are counted, is so many first stages long.
+FIRST_PART = 4
+# Frequencies of neighbours that differ by more are looked at: they may belong to two cycles.
+JUMP, STILL_JUMP = 0.02, 0.01
+HALVINGS = 3
+# Next to zero a change is as sharp as beside this part of the range.
+NEAR_ZERO = 0.01
+
+
+@dataclass(frozen=True, eq=False)
+class ReachPoint:
+    """What the model's own start ends in, at one value of the parameter.
+
+    Attributes
+    ----------
+    value : float
+        SI.
+    outcome : str
+        ``"steady"``, ``"cycle"``, ``"unbounded"``, ``"unsettled"``, ``"stopped"``, or
+        ``"refused"`` where the run could not begin.
+    stable : bool or None
+        Whether the steady state is linearly stable; None where there is none.
+    entered : dict of str to int
+        Changes into the mode of code 0, such as stick, by contact, in the first part of the run.
+    margins : dict of str to float
+        Least distance of each dry friction's slip from zero in that part, SI; zero where it sticks.
+    frequency_hz : float or None
+    held : dict of str to float
+        By contact: share of a period in the mode of code 0.
+    amplitudes : dict of str to Amplitude
+        Of each output over a period, SI.
+    note : str
+    """
+
+    value: float
+    outcome: str
+    stable: bool | None = None
+    entered: dict[str, int] = field(default_factory=dict)
+    margins: dict[str, float] = field(default_factory=dict)
+    frequency_hz: float | None = None
+    held: dict[str, float] = field(default_factory=dict)
+    amplitudes: dict[str, Amplitude] = field(default_factory=dict)
+    note: str = ""
+
+    def to_json(self) -> dict[str, Any]:
+        """Return plain values in SI; None for what is no number."""
+        return {
+            "value": number(self.value),
+            "outcome": self.outcome,
+            "stable": self.stable,
+            "entered": dict(self.entered),
+            "margins": {name: number(value) for name, value in self.margins.items()},
+            "frequency_hz": number(self.frequency_hz),
+            "held": {name: number(value) for name, value in self.held.items()},
+            "amplitudes": {
+                name: {
+                    "least": number(swing.least),
+                    "most": number(swing.most),
+                    "mean": number(swing.mean),
+                    "peak_to_peak": number(swing.peak_to_peak),
+                }
+                for name, swing in self.amplitudes.items()
+            },
+            "note": self.note,
+        }
+
+
+@dataclass(frozen=True, eq=False)
+class Change:
+    """Where the outcome changes.
+
+    Attributes
+    ----------
+    value : float
+        Middle of the bracket, SI.
+    low, high : float
+        The bracket.
+    before, after : ReachPoint
+        At the bracket's ends, by rising value.
+    """
+
+    value: float
+    low: float
+    high: float
+    before: ReachPoint
+    after: ReachPoint
+
+    def to_json(self) -> dict[str, Any]:
+        """Return plain values in SI."""
+        return {
+            "value": self.value,
+            "low": self.low,
+            "high": self.high,
+            "before": {"outcome": self.before.outcome, "frequency_hz": self.before.frequency_hz},
+            "after": {"outcome": self.after.outcome, "frequency_hz": self.after.frequency_hz},
+        }
+
+
+@dataclass(frozen=True, eq=False)
+class Reach:
+    """What a model's own start ends in along one parameter.
+
+    Attributes
+    ----------
+    model, name : str
+        The parameter or input that varies.
+    unit : str
+        Its own, for display.
+    units : dict of str to str
+        Of the outputs, SI.
+    span : float
+        Length of the first part of the runs, s.
+    points : tuple of ReachPoint
+        By rising value, evenly spaced.
+    changes : tuple of Change
+        One between neighbours that end differently: in another outcome, or another cycle.
+    notes : tuple of str
+    words : str
+    """
+
+    model: str
+    name: str
+    unit: str
+    units: dict[str, str]
+    span: float
+    points: tuple[ReachPoint, ...]
+    changes: tuple[Change, ...]
+    notes: tuple[str, ...]
+    words: str
+
+    @property
+    def values(self) -> Array:
+        """Values of the parameter, SI, (n,) array."""
+        return numpy.array([point.value for point in self.points])
+
+    @property
+    def outcomes(self) -> tuple[str, ...]:
+        """Outcome at each."""
+        return tuple(point.outcome for point in self.points)
+
+    def to_json(self) -> dict[str, Any]:
+        """Return plain values in SI; None for what is no number."""
+        return {
+            "schema": SCHEMA,
+            "model": self.model,
+            "name": self.name,
+            "unit": self.unit,
+            "units": dict(self.units),
+            "span": number(self.span),
+            "points": [point.to_json() for point in self.points],
+            "changes": [change.to_json() for change in self.changes],
+            "notes": list(self.notes),
+            "words": self.words,
+        }
+
+
+def reach(
+    graph: BondGraph | CompiledModel,
+    vary: Vary | str | tuple[Any, ...],
+    parameters: Mapping[Any, Any] | None = None,
+    inputs: Mapping[Any, float] | None = None,
+    *,
+    initial: Mapping[Any, float] | None = None,
+    sharp: float = 1e-3,
+    horizon: float | None = None,
+    budget: float = 30.0,
+    rtol: float = 1e-8,
+) -> Reach:
+    """Find what a model's own start ends in along one parameter, and where that changes.
+
+    Parameters
+    ----------
+    graph : BondGraph or CompiledModel
+    vary : Vary, str or tuple
+        Range and number of points: ``("tau", 0.01, 0.06, 15)`` or ``"tau=0.01:0.06:15"``.
+    parameters : mapping, optional
+        Values by name or symbol, in SI or with units.
+    inputs : mapping, optional
+        Constant inputs, zero unless given.
+    initial : mapping, optional
+        Another start: states by name to numbers, others as at the model's own.
+    sharp : float
+        A change is bisected to this share of the parameter.
+    horizon : float, optional
+        Longest time a run gets to settle, s of the model; chosen from the eigenvalues unless given.
+    budget : float
+        Seconds of the processor for all of it. What is left undone then is told in `notes`.
+    rtol : float
+        Of the runs.
+
+    Returns
+    -------
+    Reach
+
+    Raises
+    ------
+    BondGraphError
+        For an unknown parameter, and a model that cannot be run as asked.
+
+    Notes
+    -----
+    Basins may be interleaved: between two points that end alike another outcome may hide.
+
+    Examples
+    --------
+    >>> from bondgraph.models import bicycle_brake
+    >>> found = reach(bicycle_brake.graph(), ("tau", 0.02, 0.04, 3), {"mu_s": 0.5})
+    >>> found.outcomes, round(found.changes[0].value, 3)
+    (('cycle', 'steady', 'steady'), 0.026)
+    """
+    bench = Bench(graph, inputs)
+    item = _in_si(bench, as_vary(vary))
+    if not 0 < sharp < 1:
+        raise SimulationError(f"sharp is {sharp!r}; give a share between 0 and 1, such as 1e-3")
+    until = time.process_time() + budget
+    line = _Line(bench, item, dict(parameters or {}), initial, (horizon, until, rtol))
+    low, high = sorted((item.lo, item.hi))
+    points, notes = [], []
+    for value in numpy.linspace(low, high, item.n):
+        if time.process_time() > until:
+            notes.append(
+                f"the {budget:g} s allowed were used up at {item.name} = {value:.6g}; raise budget"
+            )
+            break
+        points.append(line.at(float(value)))
+    changes = []
+    for before, after in itertools.pairwise(points):
+        if not _differ(before, after):
+            continue
+        if time.process_time() > until:
+            notes.append("no seconds were left to bisect all changes; raise budget")
+            break
+        change = _change(line.at, before, after, (sharp, NEAR_ZERO * (high - low), until))
+        if change is not None:
+            changes.append(change)
+    bad = [point for point in points if point.outcome in ("unsettled", "stopped", "refused")]
+    notes += [f"{item.name} = {point.value:.6g}: {point.note}" for point in bad]
+    outputs = tuple(bench.model.equations.outputs) or bench.names
+    unit = line.unit
+    return Reach(
+        bench.graph.name,
+        item.name,
+        unit,
+        {name: line.units.get(name, "") for name in outputs},
+        line.span,
+        tuple(points),
+        tuple(changes),
+        tuple(notes),
+        reach_words(item.name, unit, points, changes),
+    )
+
+
+class _Line:
+    """Runs of one model along one parameter."""
+
+    def __init__(
+        self,
+        bench: Bench,
+        item: Vary,
+        parameters: dict[Any, Any],
+        initial: Mapping[Any, float] | None,
+        limits: tuple[float | None, float, float],
+    ) -> None:
+        self.bench, self.item, self.initial, self.limits = bench, item, initial, limits
+        self.parameters = {str(getattr(k, "name", k)): v for k, v in parameters.items()}
+        table = {symbol.name: row for symbol, row in bench.graph.parameters.items()}
+        self.is_input = item.name in bench.inputs
+        row = table.get(item.name)
+        self.unit = row.unit if row is not None else _input_unit(bench, item.name)
+        self.units: dict[str, str] = {}
+        self.last: Rest | None = None
+        # one length for all points, so that counts compare
+        self.span = 0.0
+        refusal: BondGraphError | None = None
+        for value in (item.lo, (item.lo + item.hi) / 2, item.hi):
+            try:
+                rest, _ = self._rest(self._values(value))
+            except BondGraphError as error:  # such as a mass below zero: told at its point
+                refusal = error
+                continue
+            poles = numpy.zeros(0) if rest is None else rest.poles
+            first = clock_for(poles, limits[0], until=limits[1]).first
+            self.span = max(self.span, FIRST_PART * first)
+        if refusal is not None and not self.span:
+            raise refusal
+
+    def _values(self, value: float) -> dict[str, float]:
+        if self.is_input:
+            self.bench.inputs[self.item.name] = value
+            return self.bench.values(self.parameters)
+        return self.bench.values({**self.parameters, self.item.name: value})
+
+    def _rest(self, values: dict[str, float]) -> tuple[Rest | None, str]:
+        modes = None if self.last is None else self.last.modes
+        rest, reason = maybe_rest(self.bench, values, None, modes)
+        if rest is None and modes is not None:
+            rest, reason = maybe_rest(self.bench, values)
+        self.last = rest
+        return rest, reason
+
+    def at(self, value: float) -> ReachPoint:
+        """Return what the start ends in at a value of the parameter."""
+        try:
+            return self._at(value)
+        except BondGraphError as error:
+            return ReachPoint(value, "refused", note=str(error))
+
+    def _at(self, value: float) -> ReachPoint:
+        bench = self.bench
+        horizon, until, rtol = self.limits
+        values = self._values(value)
+        own = bench.start(values, self.initial)
+        rest, _ = self._rest(values)
+        poles = numpy.zeros(0) if rest is None else rest.poles
+        clock = clock_for(poles, horizon, until=until, rtol=rtol)
+        if rest is not None and rest.growth >= 0:
+            sizes = sizes_of(bench, values, numpy.array([own, rest.vector]))
+            own = off_rest(own, rest, pushes(rest, own, sizes))
+        first = bench.run(values, own, (0.0, self.span), rtol=rtol, seconds=clock.left)
+        self.units = self.units or {n: first.unit(n) for n in bench.model.equations.outputs}
+        entered = dict.fromkeys(bench.model.contact_names, 0)
+        for event in first.events:
+            entered[event.element] += bench.graph[event.element].code(event.to_mode) == 0
+        margins = {
+            name: 0.0 if entered[name] else float(numpy.abs(first[f"{name}.f"]).min())
+            for name, _ in bench.graph.of(DryFriction)
+            if name in entered
+        }
+        points = [own, first.x_end, numpy.abs(first.x).max(axis=1, initial=0.0)]
+        sizes = sizes_of(bench, values, numpy.array(points))
+        went = settle(bench, values, first.x_end if first.outcome.ok else own, clock, sizes)
+        item = described(bench, values, went, "own")
+        return ReachPoint(
+            value,
+            item.kind,
+            None if rest is None else rest.stable,
+            entered,
+            margins,
+            item.frequency_hz,
+            dict(item.held) if item.kind == "cycle" else {},
+            dict(item.amplitudes),
+            "; ".join(item.notes),
+        )
+
+
+def _in_si(bench: Bench, item: Vary) -> Vary:
+    table = {symbol.name: row for symbol, row in bench.graph.parameters.items()}
+    if item.name not in table and item.name not in bench.inputs:
+        raise unknown_name("parameter", item.name, [*table, *bench.inputs])
+    row = table.get(item.name)
+    return item.in_si(row.unit if row is not None else _input_unit(bench, item.name))
+
+
+def _input_unit(bench: Bench, name: str) -> str:
+    return next((unit for s, unit in bench.graph.inputs.items() if s.name == name), "")
+
+
+def _differ(one: ReachPoint, other: ReachPoint) -> bool:
+    if one.outcome != other.outcome:
+        return True
+    return _apart(one, other) > JUMP
+
+
+def _apart(one: ReachPoint, other: ReachPoint) -> float:
+    """Return how far the frequencies of two cycles are apart, relative."""
+    if one.frequency_hz is None or other.frequency_hz is None:
+        return 0.0
+    return abs(one.frequency_hz / other.frequency_hz - 1)
+
+
+def _change(
+    at: Callable[[float], ReachPoint],
+    before: ReachPoint,
+    after: ReachPoint,
+    limits: tuple[float, float, float],
+) -> Change | None:
+    """Bisect a change; None where a cycle's frequency turns out to change bit by bit."""
+    sharp, least, until = limits
+    alike, apart, halvings = before.outcome == after.outcome, _apart(before, after), 0
+    while after.value - before.value > sharp * max(abs(before.value), abs(after.value), least):
+        if time.process_time() > until:
+            break
+        middle = at((before.value + after.value) / 2)
+        if middle.outcome == before.outcome and (
+            not alike or _apart(before, middle) <= _apart(middle, after)
+        ):
+            before = middle
+        else:
+            after = middle
+            alike = alike and middle.outcome == before.outcome
+        halvings += 1
+        if alike and halvings == HALVINGS and _apart(before, after) < 0.5 * apart:
+            return None
+    if alike and _apart(before, after) < STILL_JUMP:
+        return None
+    return Change((before.value + after.value) / 2, before.value, after.value, before, after)
