@@ -5,13 +5,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from . import options as opt
 
 if TYPE_CHECKING:
+    from bondgraph.attractors import Attractors
+    from bondgraph.graph import BondGraph
     from bondgraph.stability import Vary
 
 # Points along an axis of a map whose range does not say how many.
@@ -46,6 +48,13 @@ POINTS = 60
     "a report maps the first two varied unless told.",
 )
 @click.option(
+    "--cycles/--no-cycles",
+    "cycles",
+    default=None,
+    help="Run the model from several starts for limit cycles beside the verdict (a report does "
+    "unless told not to).",
+)
+@click.option(
     "--report", type=click.Path(file_okay=False, path_type=Path), help="Write an HTML report here."
 )
 @opt.json_option
@@ -57,6 +66,7 @@ def stability(
     fixed: tuple[str, ...],
     vary: tuple[str, ...],
     planes: tuple[str, ...],
+    cycles: bool | None,
     report: Path | None,
     as_json: bool,
 ) -> None:
@@ -74,25 +84,49 @@ def stability(
     parts = None if report is None else report_parts(model)
     if parts is not None and not pairs:
         pairs = _usual(parts.maps, dict(zip(vary, ranges, strict=True)))
+    inputs = opt.read_settings(files, "--input")
+    if cycles and modes:
+        raise click.UsageError("--cycles: runs find their modes themselves; leave out --mode")
     result = assess(
         graph,
         values,
-        inputs=opt.read_settings(files, "--input"),
+        inputs=inputs,
         modes=modes,
         vary=ranges or (parts.ranges if parts else []),
         planes=_varied(pairs, ranges),
     )
     maps = stability_planes(result, pairs, modes)
+    wanted = cycles if cycles is not None else report is not None and not modes
+    found = _attractors(graph, values, inputs, required=bool(cycles)) if wanted else None
     page = None
     if report is not None and parts is not None:
-        page = write_report(result, report, parts.sections(values), parts.description, maps)
+        own = parts.sections(values)
+        page = write_report(result, report, own, parts.description, maps, found)
     if as_json:
-        told = {"maps": [map_json(found) for found in maps]} if maps else {}
+        told: dict[str, Any] = {"maps": [map_json(item) for item in maps]} if maps else {}
+        if found is not None:
+            told["attractors"] = found.to_json()
         opt.print_json({**result.to_json(), **told})
         return
-    stability_tables(result, maps)
+    stability_tables(result, maps, found)
     if page is not None:
         click.echo(f"report: {page}")
+
+
+def _attractors(
+    graph: BondGraph, values: dict[str, Any], inputs: dict[str, Any], required: bool
+) -> Attractors | None:
+    """Return what the model ends in; None where it cannot be run, unless that was asked for."""
+    from bondgraph.attractors import find_attractors
+    from bondgraph.errors import BondGraphError
+
+    try:
+        return find_attractors(graph, values, inputs)
+    except BondGraphError as error:
+        if required:
+            raise
+        click.echo(f"bondgraph: note: no search for limit cycles: {error}", err=True)
+        return None
 
 
 def read_planes(words: Sequence[str], ranges: dict[str, Vary]) -> list[tuple[Vary, Vary]]:

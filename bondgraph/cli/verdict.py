@@ -10,6 +10,7 @@ from rich.console import Console
 from .show import new_console, new_table
 
 if TYPE_CHECKING:
+    from bondgraph.attractors import Attractors
     from bondgraph.report import Plane
     from bondgraph.stability import Mode, StabilityResult
 
@@ -17,7 +18,9 @@ if TYPE_CHECKING:
 ROWS = 6
 
 
-def stability_tables(result: StabilityResult, maps: Sequence[Plane] = ()) -> None:
+def stability_tables(
+    result: StabilityResult, maps: Sequence[Plane] = (), attractors: Attractors | None = None
+) -> None:
     """Print a verdict for reading: what decides, what to change, then the tables."""
     from bondgraph.report import headline
     from bondgraph.stability.verdict import along
@@ -25,7 +28,7 @@ def stability_tables(result: StabilityResult, maps: Sequence[Plane] = ()) -> Non
     console = new_console()
     distances = [along(locus) for locus in result.loci]
     rest = [sentence for sentence in result.reasons if sentence not in distances]
-    console.print(f"[bold]{headline(result)}[/bold]")
+    console.print(f"[bold]{headline(result, attractors)}[/bold]")
     for sentence in result.verdict.splitlines():
         console.print(sentence, soft_wrap=False, markup=False)
     _deciding(console, result.critical, rest)
@@ -39,6 +42,10 @@ def stability_tables(result: StabilityResult, maps: Sequence[Plane] = ()) -> Non
             f"{len(found) - solved} without a result",
             markup=False,
         )
+    if attractors is not None:
+        console.print("\n[bold]Limit cycles beside the verdict[/bold]")
+        for words in (attractors.words, *(f"note: {note}" for note in attractors.notes)):
+            console.print(words, soft_wrap=False, markup=False)
 
 
 def map_json(shown: Plane) -> dict[str, Any]:

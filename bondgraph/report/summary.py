@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy
 
 from ..stability import Edge, Effect, StabilityResult
 from ..stability.advice import CHANGE
+
+if TYPE_CHECKING:
+    from ..attractors import Attractors
 
 # How a vibration starts behind an edge; where the cubic term is zero it does not say.
 ONSETS = {"soft": "soft", "hard": "hard", "degenerate": "onset undecided"}
@@ -13,8 +18,18 @@ ONSETS = {"soft": "soft", "hard": "hard", "degenerate": "onset undecided"}
 WORTH_SAYING = 1e-3
 
 
-def headline(result: StabilityResult) -> str:
-    """Return the verdict in a word or four.
+def headline(result: StabilityResult, attractors: Attractors | None = None) -> str:
+    """Return the verdict in a few words.
+
+    Parameters
+    ----------
+    result : StabilityResult
+    attractors : Attractors, optional
+        Where a cycle lives beside the steady state, the word "stable" alone would mislead.
+
+    Returns
+    -------
+    str
 
     Examples
     --------
@@ -23,6 +38,8 @@ def headline(result: StabilityResult) -> str:
     >>> headline(assess(mass_on_belt.graph()))
     'Unstable'
     """
+    if result.stable and attractors is not None and attractors.beside:
+        return "Stable for small motions, with a vibration beside it"
     if result.stable:
         return "Stable"
     worst = max((mode.growth for mode in result.rows), default=0)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterable, Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from ..equations import derive
 from ..stability import StabilityResult
@@ -12,12 +13,16 @@ from . import contents, spectrum
 from .blocks import Section
 from .causality import causality_section
 from .changing import changing_section
+from .cycles import cycle_section
 from .deciding import deciding_section
 from .folder import drawn, write_folder
 from .maps import Plane, map_section
 from .page import Heading, render
 from .shapes import shape_section
 from .summary import headline
+
+if TYPE_CHECKING:
+    from ..attractors import Attractors
 
 
 def write_report(
@@ -26,6 +31,7 @@ def write_report(
     sections: Iterable[Section] = (),
     description: str = "",
     maps: Sequence[Plane] = (),
+    attractors: Attractors | None = None,
 ) -> Path:
     """Write a report: ``index.html``, ``stability.json``, and ``plots/`` with SVG and CSV.
 
@@ -42,6 +48,8 @@ def write_report(
         What the model is, in paragraphs; the first stands below the title.
     maps : sequence of Plane
         As `bondgraph.report.plane` makes them.
+    attractors : Attractors, optional
+        What the same model ends in from several starts, see `bondgraph.find_attractors`.
 
     Returns
     -------
@@ -63,8 +71,8 @@ def write_report(
     ...     sorted(path.name for path in page.parent.iterdir())
     ['index.html', 'plots', 'stability.json']
     """
-    heading = _heading(result, description)
-    chapters = _chapters(result, list(sections), description, maps)
+    heading = _heading(result, description, attractors)
+    chapters = _chapters(result, list(sections), description, maps, attractors)
     drawings = drawn(chapters)
     texts = {
         "stability.json": json.dumps(result.to_json(), indent=1, allow_nan=False) + "\n",
@@ -73,10 +81,11 @@ def write_report(
     return write_folder(folder, chapters, drawings, texts) / "index.html"
 
 
-def _heading(result: StabilityResult, description: str) -> Heading:
+def _heading(result: StabilityResult, description: str, attractors: Attractors | None) -> Heading:
     lede = " ".join(description.strip().partition("\n\n")[0].split())
     shown, kind = result.verdict.splitlines(), "Stability report"
-    return Heading(result.model, kind, headline(result), shown, result.stable, lede)
+    good = result.stable and not (attractors is not None and attractors.beside)
+    return Heading(result.model, kind, headline(result, attractors), shown, good, lede)
 
 
 def _chapters(
@@ -84,6 +93,7 @@ def _chapters(
     own: list[Section],
     description: str,
     maps: Sequence[Plane],
+    attractors: Attractors | None,
 ) -> list[Section]:
     """Gather all sections in order: what a reader wants to know first stands first."""
     equations = derive(result.graph)
@@ -97,6 +107,7 @@ def _chapters(
         shape_section(result),
         spectrum.locus_section(result.loci),
         map_section(result, maps),
+        cycle_section(attractors),
         *own,
         None if own else spectrum.friction_section(result),
         contents.model_section(result, equations.causal, description),
