@@ -18,7 +18,7 @@ from .continuation import Boundary, boundaries
 from .derivatives import Forms
 from .edges import Edge
 from .locus import Locus, trace
-from .margins import SPAN, Margin, margins
+from .margins import SPAN, Margin, affordable, margins
 from .sensitivity import Sensitivities, sensitivities
 from .slopes import incremental_resistances
 from .vary import Vary, as_vary
@@ -185,7 +185,10 @@ def assess(
     moves = sensitivities(system, Forms(smooth), overrides)
     loci = tuple(trace(graph, point, item, parameters) for item in ranges)
     curves, notes = _boundaries(graph, loci, planes, overrides)
-    far = None if span is None else margins(graph, point, parameters, moves.moving(), span)
+    far, left = (None, [])
+    if span is not None:
+        names, left = _followed(table, moves)
+        far = margins(graph, point, parameters, names, span)
     return StabilityResult(
         graph,
         overrides,
@@ -198,8 +201,22 @@ def assess(
         verdict(system, table, far),
         (*reasons(table, incremental_resistances(point)), *map(along, loci)),
         advice(table, moves, far or ()),
-        (*_warnings(point, loci), *moves.notes, *notes),
+        (*_warnings(point, loci), *moves.notes, *notes, *left),
     )
+
+
+def _followed(modes: tuple[Mode, ...], moves: Sensitivities) -> tuple[tuple[str, ...], list[str]]:
+    """Return the parameters to follow to their edges; of very many the strongest."""
+    names = moves.moving()
+    most = affordable(len(modes))
+    if len(names) <= most:
+        return names, []
+    index = list(modes).index(critical(modes))
+    ranked = [item.parameter for item in moves.ranked(index, derived=False, by="growth")]
+    return tuple(ranked[:most]), [
+        f"margins: {len(names)} parameters move eigenvalues, the {most} that move the critical mode "
+        f"most were followed to their edges; vary others by name"
+    ]
 
 
 def _boundaries(

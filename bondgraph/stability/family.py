@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
@@ -152,13 +151,6 @@ class Family:
             inputs=dict(zip(point.inputs, map(float, u), strict=True)),
             parameters=parameter_values(point.equations, changed, self.resolver),
         )
-
-    def admissible(self, name: str) -> tuple[float, float]:
-        """Return the open interval of values that a parameter's assumptions allow."""
-        symbol = next((item for item in self.graph.parameters if item.name == name), None)
-        low = 0.0 if symbol is not None and symbol.is_nonnegative else -math.inf
-        high = 0.0 if symbol is not None and symbol.is_nonpositive else math.inf
-        return low, high
 
     def scale(self, ranges: Sequence[tuple[float, float]]) -> Array:
         """Return sizes to measure points by: the ranges of the parameters, states in proportion.

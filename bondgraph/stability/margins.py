@@ -20,6 +20,9 @@ from .family import Family
 SPAN = 10.0
 # Of the way to an end of that range.
 STEP = 0.1
+# Following one parameter takes so many seconds, by the number of states: what a few seconds pay for
+# is counted rather than timed, so that the same is done on every machine.
+SECONDS, ALWAYS, PER_STATE_CUBED, PER_PARAMETER = 5.0, 5, 6e-7, 0.02
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,6 +125,17 @@ def margins(
         if family.at[0]:
             found.append(_margin(family, span))
     return tuple(sorted(found, key=lambda item: item.distance))
+
+
+def affordable(states: int) -> int:
+    """Return how many parameters are followed unless they are named, by the number of states.
+
+    Examples
+    --------
+    >>> affordable(5), affordable(120)
+    (249, 5)
+    """
+    return max(ALWAYS, int(SECONDS / (PER_PARAMETER + PER_STATE_CUBED * states**3)))
 
 
 def _free(graph: BondGraph, point: SteadyState, overrides: Mapping[str, Any]) -> list[str]:

@@ -207,8 +207,8 @@ def _edge_of(margins: Sequence[Margin], stable: bool) -> str:
     nearest = next((item for item in margins if item.nearest is not None), None)
     if nearest is None:
         return (
-            "No single parameter, taken alone, "
-            + ("makes it unstable" if stable else "makes it stable")
+            "Of the parameters followed none, taken alone, makes it "
+            + ("unstable" if stable else "stable")
             + " within the factors searched."
         )
     edge = nearest.nearest

@@ -1,13 +1,14 @@
 """Margins against edges by hand."""
 
 import math
+import sys
 
 import pytest
 import sympy
 
 from bondgraph import C, I, One, R, Se, assemble, models, steady_state
 from bondgraph.errors import ParameterError
-from bondgraph.stability import margins
+from bondgraph.stability import assess, margins
 from tests.oracles.sliding import critical_slope, critical_speed
 
 FIG9 = {"mu_s": 0.5, "tau": 0.06, "v_s": 0.2}
@@ -81,3 +82,10 @@ def test_rules_of_parameters_end_the_search_with_words():
 def test_an_unknown_name_is_refused():
     with pytest.raises(ParameterError, match="did you mean V0"):
         of(models.bicycle_brake.graph(), names=["V"])
+
+
+def test_of_very_many_parameters_the_strongest_are_followed(monkeypatch):
+    monkeypatch.setattr(sys.modules["bondgraph.stability.margins"], "SECONDS", 0.1)
+    result = assess(models.bicycle_brake.graph(), FIG9)
+    assert [item.parameter for item in result.margins] == ["mu_k", "mu_s", "V0", "v_s", "f_w"]
+    assert any("the 5 that move the critical mode most" in text for text in result.warnings)
