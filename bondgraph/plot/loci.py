@@ -14,6 +14,10 @@ if TYPE_CHECKING:
 
     from ..stability import Locus
 
+# So many curves can be told apart; of more, the least stable at the operating point are named.
+MOST = 10
+FURTHER = "#b4b9c1"
+
 
 def root_locus(locus: Locus, *, ax: Axes | None = None) -> Axes:
     """Plot the eigenvalues of a locus in the upper half of the complex plane.
@@ -66,6 +70,9 @@ def root_locus(locus: Locus, *, ax: Axes | None = None) -> Axes:
 def growth_rates(locus: Locus, *, ax: Axes | None = None) -> Axes:
     """Plot the growth rate of each mode over the parameter of a locus.
 
+    Of more than ten modes, those that are least stable at the operating point have a colour and a
+    name.
+
     Parameters
     ----------
     locus : Locus
@@ -86,10 +93,14 @@ def growth_rates(locus: Locus, *, ax: Axes | None = None) -> Axes:
     ax = dressed(ax)
     shown = in_own_unit(locus.values, locus.unit)
     low, high = _view(locus)
-    for index, column in enumerate(_upper(locus)):
-        here = column[numpy.nanargmin(numpy.abs(locus.values - locus.at))]
+    columns = _upper(locus)
+    at = int(numpy.nanargmin(numpy.abs(locus.values - locus.at)))
+    told = sorted(range(len(columns)), key=lambda k: -numpy.nan_to_num(columns[k][at].real))[:MOST]
+    for index, column in enumerate(columns):
+        here = column[at]
         name = f"{abs(here.imag) / (2 * numpy.pi):.4g} Hz" if here.imag else "real"
-        ax.plot(shown, column.real, label=name, **line(index))
+        dress = line(index) if index in told else {"color": FURTHER, "lw": 0.8, "zorder": 1.5}
+        ax.plot(shown, column.real, label=name if index in told else f"_{name}", **dress)
     for edge in locus.crossings:
         value = from_si(edge.value, locus.unit)
         ax.plot(value, 0, "D", ms=6, color=INK, mfc="white" if not edge.boundary else INK)

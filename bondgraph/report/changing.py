@@ -12,6 +12,9 @@ from .blocks import Bullets, Figure, Panel, Section, Table, Text
 from .summary import onset_words, ranked, unmoved
 from .words import number
 
+# Of more parameters the table holds the strongest; the CSV of the plot has all.
+MOST = 25
+
 
 def changing_section(result: StabilityResult) -> Section | None:
     """Rank the parameters by what they do to the critical mode's growth rate."""
@@ -69,7 +72,7 @@ def _table(effects: tuple[Effect, ...]) -> Table:
             "lower it" if item.growth(CHANGE) > 0 else "raise it",
             item.meaning,
         )
-        for item in effects
+        for item in effects[:MOST]
     )
     head = (
         "parameter",
@@ -79,7 +82,8 @@ def _table(effects: tuple[Effect, ...]) -> Table:
         "to calm the mode",
         "meaning",
     )
-    return Table(head, rows, "crrrll", labelled=True)
+    caption = f"The {MOST} strongest of {len(effects)}." if len(effects) > MOST else ""
+    return Table(head, rows, "crrrll", caption, labelled=True)
 
 
 def _margins(result: StabilityResult) -> list[object]:

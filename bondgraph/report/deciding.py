@@ -14,6 +14,8 @@ from .words import number
 
 # Smaller shares are left out of the table.
 NEGLIGIBLE = 1e-3
+# Of many elements the table holds those with the largest shares and feeds.
+MOST = 15
 
 
 def deciding_section(result: StabilityResult) -> Section:
@@ -66,9 +68,9 @@ def _introduced(mode: Mode) -> str:
 def _elements(mode: Mode) -> list[str]:
     """Return the elements that have something to do with a mode, storages first."""
     least = NEGLIGIBLE * max(map(abs, mode.feeds.values()), default=0.0)
-    kept = [name for shares in (mode.carriers, mode.energies) for name in _worth(shares)]
-    kept += [name for name, rate in mode.feeds.items() if abs(rate) > least]
-    return list(dict.fromkeys(kept))
+    kept = [name for shares in (mode.carriers, mode.energies) for name in _worth(shares)[:MOST]]
+    feeds = sorted(mode.feeds.items(), key=lambda item: -abs(item[1]))[:MOST]
+    return list(dict.fromkeys([*kept, *(name for name, rate in feeds if abs(rate) > least)]))
 
 
 def _worth(shares: Mapping[str, float]) -> list[str]:
@@ -98,7 +100,8 @@ def _percent(share: float | None) -> str:
 def _reading(mode: Mode) -> str:
     text = (
         "How to read it: an element takes part as far as its state moves in the mode and the mode "
-        "answers to it (participation factors, 100 % in all). Elements below 0.1 % are left out."
+        "answers to it (participation factors, 100 % in all). Elements below 0.1 % are left out, and "
+        f"of very many all but the {MOST} largest."
     )
     if mode.energies and not mode.feeds:
         return f"{text} Nothing feeds or drains this mode."

@@ -18,6 +18,9 @@ if TYPE_CHECKING:
 WIDTH = 5.0
 # More junctions than a plot can name.
 MOST = 40
+# Of more modes, the least damped are shown by energy; more storages than this have no key.
+MODES, KEYS = 12, 15
+SEEN = 0.005  # a smaller share has no bar
 
 
 def shape_section(result: StabilityResult) -> Section | None:
@@ -33,16 +36,22 @@ def shape_section(result: StabilityResult) -> Section | None:
                 "delay. A phase of 0° moves along with the largest, 180° against it, 90° ahead of "
                 "it by a quarter of a period."
             ),
-            Figure(
-                "Shapes and energies.",
-                tuple(panels),
-                "First: the critical mode. A bar for each junction, flows (such as speeds) above "
-                "and efforts (such as forces) below, each over the largest of its unit; hatched "
-                "where it moves against it. Second: share of each storage in the energy of each "
-                "mode.",
-            ),
+            Figure("Shapes and energies.", tuple(panels), " ".join(_words(panels))),
         ),
     )
+
+
+WORDS = {
+    "mode-shape": "Shape: the critical mode. A bar for each junction, flows (such as speeds) above "
+    "and efforts (such as forces) below, each over the largest of its unit; hatched where it moves "
+    "against it.",
+    "mode-energies": "Energies: the share of each storage in the energy of each mode.",
+}
+
+
+def _words(panels: list[Panel]) -> list[str]:
+    """Say of each plot that there is how to read it."""
+    return [WORDS[panel.name] for panel in panels]
 
 
 def _shape(result: StabilityResult) -> Panel | None:
@@ -69,7 +78,11 @@ def _shape(result: StabilityResult) -> Panel | None:
 
 def _energies(result: StabilityResult) -> Panel | None:
     modes = [mode for mode in result.rows if mode.eigenvalue.imag >= 0 and mode.energies]
-    if not modes or len(modes) > MOST:
+    if len(modes) > MODES:
+        least = sorted(modes, key=lambda mode: -mode.eigenvalue.real / abs(mode.eigenvalue or 1))
+        modes = [mode for mode in modes if mode in least[:MODES]]
+    shown = {name for mode in modes for name, share in mode.energies.items() if abs(share) >= SEEN}
+    if not modes or len(shown) > KEYS:
         return None
     drawn = energy_plot(modes, ax=new_axes((WIDTH, 1.5 + 0.42 * len(modes))))
     _roomy(drawn)

@@ -16,6 +16,8 @@ from .summary import ONSETS
 from .words import coherent, number, slug
 
 CARRIERS = 3
+# A state matrix of more rows is left to the JSON.
+READABLE = 24
 
 
 def eigenvalue_section(result: StabilityResult) -> Section:
@@ -30,11 +32,6 @@ def eigenvalue_section(result: StabilityResult) -> Section:
         "dominated by",
         "fed and drained by [1/s]",
     )
-    states = result.system.states
-    matrix = tuple(
-        (name, *(number(value) for value in row))
-        for name, row in zip(states, result.system.A, strict=True)
-    )
     return Section(
         "Eigenvalues",
         (
@@ -48,15 +45,26 @@ def eigenvalue_section(result: StabilityResult) -> Section:
                 "what each dissipator or source adds to the growth rate.",
                 "note",
             ),
-            Text("State matrix: the rate of each row's state for a change of each column's state."),
-            Table(
-                ("A [SI]", *states),
-                matrix,
-                "c" + "r" * len(states),
-                labelled=True,
-            ),
+            *_matrix(result),
         ),
     )
+
+
+def _matrix(result: StabilityResult) -> list[object]:
+    """Show the state matrix, where a page can hold it."""
+    states = result.system.states
+    if not states:
+        return []
+    if len(states) > READABLE:
+        return [Text(f"The state matrix, {len(states)} x {len(states)}, stands in stability.json.")]
+    rows = tuple(
+        (name, *(number(value) for value in row))
+        for name, row in zip(states, result.system.A, strict=True)
+    )
+    return [
+        Text("State matrix: the rate of each row's state for a change of each column's state."),
+        Table(("A [SI]", *states), rows, "c" + "r" * len(states), labelled=True),
+    ]
 
 
 def _mode_row(mode: Mode) -> tuple[str, ...]:

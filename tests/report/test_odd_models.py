@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import sympy
 
-from bondgraph import C, I, One, R, Se, assemble
+from bondgraph import C, I, One, R, Se, Sf, Zero, assemble
 from bondgraph.errors import ParameterError
 from bondgraph.models import mass_on_belt
 from bondgraph.report import plane, stability_planes, write_report
@@ -112,3 +112,28 @@ def test_boundaries_are_the_same_followed_by_the_assessment_or_for_the_map():
         speed, damping = curve.values.T
         # N (mu_s - mu_k)/v_s e^(-v_b/v_s) is the damper's c
         assert damping == pytest.approx(10 * 0.15 / 0.1 * np.exp(-speed / 0.1), rel=1e-6)
+
+
+@pytest.mark.filterwarnings("error::UserWarning")  # matplotlib's, where a plot has no room left
+def test_a_long_chain_keeps_a_page_that_can_be_read(tmp_path):
+    count = 20
+    stiff, heavy = (sympy.symbols(f"{letter}0:{count}", positive=True) for letter in "km")
+    bonds, before = [], Zero("z0")
+    bonds.append(Sf("ground", 0) >> before)
+    for j in range(count):
+        body, after = One(f"v{j}"), Zero(f"z{j + 1}")
+        bonds.append(before >> C(f"c{j}", stiffness=stiff[j]))
+        bonds.append(before >> body >> (I(f"i{j}", heavy[j]), R(f"r{j}", b)))
+        if j < count - 1:
+            bonds.append(body >> after)
+        before = after
+    table = {symbol: (1e4 + 10 * j, "N/m") for j, symbol in enumerate(stiff)}
+    table |= {symbol: (1 + 0.01 * j, "kg") for j, symbol in enumerate(heavy)}
+    graph = assemble("chain", *bonds, parameters={**table, b: (2, "N*s/m")})
+    result = assess(graph, vary=["b=0.5:5:20"], span=None)
+    path = write_report(result, tmp_path)
+    page = Page(path.read_text(encoding="utf-8"))
+    assert "The state matrix, 40 x 40, stands in stability.json" in page.text
+    assert "The 25 strongest of 41." in page.text
+    rows = (tmp_path / "plots" / "sensitivities.csv").read_text(encoding="utf-8").splitlines()
+    assert len(rows) == 1 + 41
