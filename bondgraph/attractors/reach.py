@@ -316,7 +316,7 @@ class _Line:
 
     def _values(self, value: float) -> dict[str, float]:
         if self.is_input:
-            self.bench.inputs[self.item.name] = value
+            self.bench = self.bench.with_input(self.item.name, value)
             return self.bench.values(self.parameters)
         return self.bench.values({**self.parameters, self.item.name: value})
 
@@ -336,9 +336,9 @@ class _Line:
             return ReachPoint(value, "refused", note=str(error))
 
     def _at(self, value: float) -> ReachPoint:
-        bench = self.bench
         horizon, until, rtol = self.limits
         values = self._values(value)
+        bench = self.bench  # with the value, where it is an input's
         own = bench.start(values, self.initial)
         rest, _ = self._rest(values)
         poles = numpy.zeros(0) if rest is None else rest.poles
