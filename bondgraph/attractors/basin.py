@@ -17,8 +17,9 @@ from .value import Attractor, BasinEdge
 
 Array = numpy.ndarray
 
-# Sizes tried first grow by this factor, and the edge is bisected to this share.
-GROWTH, SHARP = 1.2, 0.02
+# Sizes begin at this part of one that means something and grow by a factor, or shrink by another
+# where even the first leaves; the edge between is bisected to this share.
+FIRST, GROWTH, SHRINK, SHARP = 0.2, 1.2, 5.0, 0.02
 MOST_SIZES = 24
 # A run so short, beside the fastest mode's time, tells the outputs at its start.
 INSTANT = 1e-9
@@ -36,7 +37,8 @@ def edge_along(
     """Find the smallest push along a mode that does not return to the steady state.
 
     Sizes grow by a fifth from a fifth of the first that means something, until one leaves; between
-    this and the one before, the edge is bisected.
+    this and the one before, the edge is bisected. A narrow range that leaves may hide between two
+    sizes that return.
 
     Parameters
     ----------
@@ -56,7 +58,9 @@ def edge_along(
         None where the smallest push tried does not return, or the seconds ran out.
     """
     values = dict(rest.values)
-    place = _place(bench, values, rest, found)
+    place = next(
+        (i for i, old in enumerate(found) if old.kind == "steady" and old.modes == rest.modes), None
+    )
     orbits = [orbit for _, orbit in known]
     tried = 0
 
@@ -69,7 +73,7 @@ def edge_along(
                 return None
         return went
 
-    low, high, size = 0.0, numpy.inf, 0.2 * push.scale
+    low, high, size = 0.0, numpy.inf, FIRST * push.scale
     last: Settled | None = None
     for _ in range(MOST_SIZES):
         if clock.left <= 0:
@@ -79,12 +83,17 @@ def edge_along(
             went = leaves(size)
         except BondGraphError:  # a push through a stop: no state of the model
             break
-        if went is not None:
+        if went is None:
+            low = size
+        else:
             high, last = size, went
+        if last is not None and low > 0:
             break
-        low, size = size, size * GROWTH
-    if last is None or low == 0:
-        return None if low == 0 else _edge(bench, rest, push, (low, high), None, tried)
+        size = size * GROWTH if last is None else size / SHRINK
+    if low == 0:
+        return None
+    if last is None:
+        return _edge(bench, rest, push, (low, high), None, tried)
     while high - low > SHARP * high and clock.left > 0:
         tried += 1
         middle = (low + high) / 2
@@ -100,16 +109,6 @@ def edge_along(
         item = described(bench, values, last, "")
         to = next((i for i, old in enumerate(found) if same(bench, old, item, sizes)), None)
     return _edge(bench, rest, push, (low, high), to, tried)
-
-
-def _place(
-    bench: Bench, values: dict[str, float], rest: Rest, found: Sequence[Attractor]
-) -> int | None:
-    del bench, values
-    for i, item in enumerate(found):
-        if item.kind == "steady" and item.modes == rest.modes:
-            return i
-    return None
 
 
 def _edge(

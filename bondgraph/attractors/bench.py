@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import dataclasses
 from collections.abc import Mapping
 from typing import Any
@@ -123,9 +124,9 @@ class Bench:
         self.model = graph if isinstance(graph, CompiledModel) else CompiledModel(graph)
         equations = self.model.equations
         self.graph = equations.graph
-        self.inputs = input_values(derive(self.graph) if inputs else equations, inputs)
         own = {symbol.name for symbol in self.graph.inputs}
-        self.inputs = {name: value for name, value in self.inputs.items() if name in own}
+        given = input_values(equations, inputs)
+        self.inputs = {name: value for name, value in given.items() if name in own}
         self.names = tuple(state.name for state in equations.states)
         needed = _needed(equations, self.graph)
         if TIME in needed:
@@ -140,6 +141,12 @@ class Bench:
     def values(self, parameters: Mapping[Any, Any] | None) -> dict[str, float]:
         """Return all parameters in SI."""
         return parameter_values(self.model.equations, parameters, self.model.resolver)
+
+    def with_input(self, name: str, value: float) -> Bench:
+        """Return the same bench with another value of an input."""
+        other = copy.copy(self)
+        other.inputs = {**self.inputs, name: value}
+        return other
 
     def chart(self, modes: Mapping[str, str], held: Mapping[str, float]) -> Chart:
         """Return the equations of a set of modes, derived when first asked for."""

@@ -206,7 +206,7 @@ def _nudged(
         moved[name] = off_rest(x, rest, along)
         if moved[name] is not x:
             notes.append(
-                f"the start {name!r} is the steady state itself, which is not stable; it was pushed "
+                f"the start {name!r} is the steady state itself, which does not attract; it was pushed "
                 f"slightly along its {along[0].label} mode"
             )
     return moved

@@ -95,7 +95,8 @@ def round_of(bench: Bench, run: Trajectory, ways: Ways) -> tuple[Round | None, s
     candidate = _measured(bench, run, sizes, watched)
     if candidate is None:
         return None, ""
-    cycle, part = candidate
+    cycle, part, swings = candidate
+    seen = cycle, swings[1]
     turning = bench.moving & ~watched
     if turning.any():
         gain = _gain(part, cycle) * turning
@@ -105,7 +106,7 @@ def round_of(bench: Bench, run: Trajectory, ways: Ways) -> tuple[Round | None, s
         said = f"{names} goes on by {', '.join(f'{g:.6g}' for g in gain[turning])} in a period"
         return _repeating(part, cycle, (sizes, watched), f"{said}, so the orbit was not closed")
     place = next(
-        (i for i, orbit in enumerate(ways.known) if alike(bench, part, cycle, orbit, sizes)), None
+        (i for i, orbit in enumerate(ways.known) if alike(bench, seen, orbit, sizes)), None
     )
     if place is not None:
         return Round(cycle, part, known=place), ""
@@ -120,7 +121,7 @@ def round_of(bench: Bench, run: Trajectory, ways: Ways) -> tuple[Round | None, s
         except (BondGraphError, numpy.linalg.LinAlgError) as error:
             said = f"the orbit was not closed: {error}"
         else:
-            if not alike(bench, part, cycle, orbit, sizes):
+            if not alike(bench, seen, orbit, sizes):
                 return None, "the run is not yet near a cycle"
             if verdict(orbit) == "unstable":
                 return None, f"it passed a cycle of {orbit.frequency_hz:.6g} Hz that repels"
@@ -223,7 +224,7 @@ def verdict(orbit: PeriodicOrbit) -> str:
 
 def _measured(
     bench: Bench, run: Trajectory, sizes: Array, watched: Array
-) -> tuple[LimitCycle, Trajectory] | None:
+) -> tuple[LimitCycle, Trajectory, Array] | None:
     """Return a repeating motion at the end of a run, and the part of the run that shows it."""
     graph, middle = bench.graph, float(run.t[0])
     late = [event for event in run.events if event.t > middle]
@@ -238,8 +239,9 @@ def _measured(
                 break
             part = _since(run, times[-min(count, len(times))])
             found = _cycle(part, element=name, mode=mode)
-            if found is not None and _steady_swing(part, found, sizes, watched):
-                return found, part
+            swings = None if found is None else _swings(bench, part, found)
+            if found and swings is not None and _steady_swing(swings, sizes, watched):
+                return found, part, swings
     if late and chosen and len(marks[chosen[0]]) > 3:
         return None
     signal = _liveliest(bench, run, sizes, watched)
@@ -251,8 +253,9 @@ def _measured(
             break
         part = _since(run, times[-min(count, len(times))])
         found = _cycle(part, signal=name, value=level)
-        if found is not None and _steady_swing(part, found, sizes, watched):
-            return found, part
+        swings = None if found is None else _swings(bench, part, found)
+        if found and swings is not None and _steady_swing(swings, sizes, watched):
+            return found, part, swings
     return None
 
 
@@ -300,40 +303,47 @@ def _liveliest(
     return bench.names[best[1]], level, run.t[ups]
 
 
-def _steady_swing(part: Trajectory, cycle: LimitCycle, largest: Array, watched: Array) -> bool:
+def _swings(bench: Bench, part: Trajectory, cycle: LimitCycle) -> Array | None:
+    """Return least and most of each state in the last period but one and in the last, (2, 2, n) array.
+
+    The run is made again there, since a motion of bursts may hide between its rows.
+    """
+    last, period = float(cycle.times[-1]), cycle.period
+    first = int(numpy.searchsorted(part.t, last - 2 * period, side="right")) - 1
+    if first < 0:
+        return None
+    symbols = bench.model.equations.algebraic
+    z = part.z[:, first] if len(part.z) else ()
+    guess = {symbol.name: float(v) for symbol, v in zip(symbols, z, strict=False)}
+    run = bench.run(part.parameters, part.x[:, first], (float(part.t[first]), last), guess=guess)
+    found = []
+    for begin in (last - 2 * period, last - period):
+        here = run.x[:, (run.t >= begin) & (run.t <= begin + period)]
+        if not here.shape[1] or not run.outcome.ok:
+            return None
+        found.append([here.min(axis=1), here.max(axis=1)])
+    return numpy.array(found)
+
+
+def _steady_swing(swings: Array, largest: Array, watched: Array) -> bool:
     """Whether the swings of the last two periods are alike."""
-    late, early = (
-        _extremes(part, float(end) - cycle.period, float(end))
-        for end in (cycle.times[-1], cycle.times[-2])
-    )
-    if late is None or early is None:
-        return False
+    early, late = swings
     swing = numpy.maximum(late[1] - late[0], early[1] - early[0])
     sizes = numpy.maximum(swing, 1e-3 * numpy.maximum(numpy.abs(late).max(axis=0), largest))
     off = numpy.abs(late - early) / numpy.where(sizes > 0, sizes, 1.0)
     return bool(off[:, watched].max(initial=0.0) <= 2.5 * LIKE)
 
 
-def _extremes(run: Trajectory, begin: float, end: float) -> Array | None:
-    """Return least and most of each state between two times, (2, n) array."""
-    here = (run.t >= begin) & (run.t <= end)
-    if here.sum() < 5:
-        return None
-    part = run.x[:, here]
-    return numpy.array([part.min(axis=1), part.max(axis=1)])
-
-
 def alike(
-    bench: Bench, part: Trajectory, cycle: LimitCycle, orbit: PeriodicOrbit, largest: Array
+    bench: Bench, seen: tuple[LimitCycle, Array], orbit: PeriodicOrbit, largest: Array
 ) -> bool:
     """Whether the last period of a run is near a closed orbit.
 
     Parameters
     ----------
     bench : Bench
-    part : Trajectory
-    cycle : LimitCycle
-        Of the run.
+    seen : (LimitCycle, (2, n) array)
+        Cycle of the run, and least and most of each state in its last period.
     orbit : PeriodicOrbit
     largest : (n,) array
         Sizes of the states: a small part of these is no difference.
@@ -342,11 +352,8 @@ def alike(
     -------
     bool
     """
+    cycle, swings = seen
     if abs(cycle.period / orbit.period - 1) > LIKE:
-        return False
-    last = float(cycle.times[-1])
-    swings = _extremes(part, last - cycle.period, last)
-    if swings is None:
         return False
     whole = orbit.run.x
     own = numpy.array([whole.min(axis=1), whole.max(axis=1)])

@@ -5,12 +5,10 @@ from __future__ import annotations
 import itertools
 import time
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
 from typing import Any
 
 import numpy
 
-from ..cycles import Amplitude
 from ..elements import DryFriction
 from ..errors import BondGraphError, SimulationError
 from ..graph import BondGraph
@@ -20,10 +18,10 @@ from ..stability.vary import Vary, as_vary
 from .bench import Bench
 from .described import described
 from .pushes import pushes
+from .reached import Change, Reach, ReachPoint
 from .rest import Rest, maybe_rest, sizes_of
 from .settle import clock_for, settle
 from .starts import off_rest
-from .value import SCHEMA, number
 from .words import reach_words
 
 Array = numpy.ndarray
@@ -35,153 +33,6 @@ JUMP, STILL_JUMP = 0.02, 0.01
 HALVINGS = 3
 # Next to zero a change is as sharp as beside this part of the range.
 NEAR_ZERO = 0.01
-
-
-@dataclass(frozen=True, eq=False)
-class ReachPoint:
-    """What the model's own start ends in, at one value of the parameter.
-
-    Attributes
-    ----------
-    value : float
-        SI.
-    outcome : str
-        ``"steady"``, ``"cycle"``, ``"unbounded"``, ``"unsettled"``, ``"stopped"``, or
-        ``"refused"`` where the run could not begin.
-    stable : bool or None
-        Whether the steady state is linearly stable; None where there is none.
-    entered : dict of str to int
-        Changes into the mode of code 0, such as stick, by contact, in the first part of the run.
-    margins : dict of str to float
-        Least distance of each dry friction's slip from zero in that part, SI; zero where it sticks.
-    frequency_hz : float or None
-    held : dict of str to float
-        By contact: share of a period in the mode of code 0.
-    amplitudes : dict of str to Amplitude
-        Of each output over a period, SI.
-    note : str
-    """
-
-    value: float
-    outcome: str
-    stable: bool | None = None
-    entered: dict[str, int] = field(default_factory=dict)
-    margins: dict[str, float] = field(default_factory=dict)
-    frequency_hz: float | None = None
-    held: dict[str, float] = field(default_factory=dict)
-    amplitudes: dict[str, Amplitude] = field(default_factory=dict)
-    note: str = ""
-
-    def to_json(self) -> dict[str, Any]:
-        """Return plain values in SI; None for what is no number."""
-        return {
-            "value": number(self.value),
-            "outcome": self.outcome,
-            "stable": self.stable,
-            "entered": dict(self.entered),
-            "margins": {name: number(value) for name, value in self.margins.items()},
-            "frequency_hz": number(self.frequency_hz),
-            "held": {name: number(value) for name, value in self.held.items()},
-            "amplitudes": {
-                name: {
-                    "least": number(swing.least),
-                    "most": number(swing.most),
-                    "mean": number(swing.mean),
-                    "peak_to_peak": number(swing.peak_to_peak),
-                }
-                for name, swing in self.amplitudes.items()
-            },
-            "note": self.note,
-        }
-
-
-@dataclass(frozen=True, eq=False)
-class Change:
-    """Where the outcome changes.
-
-    Attributes
-    ----------
-    value : float
-        Middle of the bracket, SI.
-    low, high : float
-        The bracket.
-    before, after : ReachPoint
-        At the bracket's ends, by rising value.
-    """
-
-    value: float
-    low: float
-    high: float
-    before: ReachPoint
-    after: ReachPoint
-
-    def to_json(self) -> dict[str, Any]:
-        """Return plain values in SI."""
-        return {
-            "value": self.value,
-            "low": self.low,
-            "high": self.high,
-            "before": {"outcome": self.before.outcome, "frequency_hz": self.before.frequency_hz},
-            "after": {"outcome": self.after.outcome, "frequency_hz": self.after.frequency_hz},
-        }
-
-
-@dataclass(frozen=True, eq=False)
-class Reach:
-    """What a model's own start ends in along one parameter.
-
-    Attributes
-    ----------
-    model, name : str
-        The parameter or input that varies.
-    unit : str
-        Its own, for display.
-    units : dict of str to str
-        Of the outputs, SI.
-    span : float
-        Length of the first part of the runs, s.
-    points : tuple of ReachPoint
-        By rising value, evenly spaced.
-    changes : tuple of Change
-        One between neighbours that end differently: in another outcome, or another cycle.
-    notes : tuple of str
-    words : str
-    """
-
-    model: str
-    name: str
-    unit: str
-    units: dict[str, str]
-    span: float
-    points: tuple[ReachPoint, ...]
-    changes: tuple[Change, ...]
-    notes: tuple[str, ...]
-    words: str
-
-    @property
-    def values(self) -> Array:
-        """Values of the parameter, SI, (n,) array."""
-        return numpy.array([point.value for point in self.points])
-
-    @property
-    def outcomes(self) -> tuple[str, ...]:
-        """Outcome at each."""
-        return tuple(point.outcome for point in self.points)
-
-    def to_json(self) -> dict[str, Any]:
-        """Return plain values in SI; None for what is no number."""
-        return {
-            "schema": SCHEMA,
-            "model": self.model,
-            "name": self.name,
-            "unit": self.unit,
-            "units": dict(self.units),
-            "span": number(self.span),
-            "points": [point.to_json() for point in self.points],
-            "changes": [change.to_json() for change in self.changes],
-            "notes": list(self.notes),
-            "words": self.words,
-        }
 
 
 def reach(
@@ -316,7 +167,7 @@ class _Line:
 
     def _values(self, value: float) -> dict[str, float]:
         if self.is_input:
-            self.bench.inputs[self.item.name] = value
+            self.bench = self.bench.with_input(self.item.name, value)
             return self.bench.values(self.parameters)
         return self.bench.values({**self.parameters, self.item.name: value})
 
@@ -336,9 +187,9 @@ class _Line:
             return ReachPoint(value, "refused", note=str(error))
 
     def _at(self, value: float) -> ReachPoint:
-        bench = self.bench
         horizon, until, rtol = self.limits
         values = self._values(value)
+        bench = self.bench  # with the value, where it is an input's
         own = bench.start(values, self.initial)
         rest, _ = self._rest(values)
         poles = numpy.zeros(0) if rest is None else rest.poles

@@ -9,7 +9,7 @@ from ..units import from_si
 from .value import Attractor, Attractors, BasinEdge
 
 if TYPE_CHECKING:
-    from .reach import Change, ReachPoint
+    from .reached import Change, ReachPoint
 
 
 def in_words(result: Attractors) -> str:

@@ -6,7 +6,7 @@ import numpy
 import pytest
 import sympy
 
-from bondgraph import BondGraphError, C, CompiledModel, I, One, R, assemble, reach
+from bondgraph import BondGraphError, C, CompiledModel, I, One, R, Sf, Zero, assemble, reach
 from bondgraph.models import bicycle_brake, quarter_car
 from bondgraph.stability import Vary
 
@@ -98,6 +98,24 @@ def test_words_and_json(by_tau):
 
 def test_models_without_contacts():
     assert set(reach(quarter_car.graph(), ("b_s", 800, 1600, 3)).outcomes) == {"steady"}
+
+
+def test_along_an_input():
+    # a motor on a law that falls and rises: where the speed stands on the falling part it swings
+    push = sympy.Symbol("push")
+    law = R("r", effort=lambda f: (f - 1.5) ** 3 - (f - 1.5))
+    parts = (I("m", 1), law)
+    flow, shaft = Zero("flow"), One("shaft")
+    graph = assemble(
+        "motor",
+        Sf("pump", push) >> flow >> (C("air", 1), shaft),
+        shaft >> parts,
+        inputs={push: "m^3/s"},
+    )
+    found = reach(graph, ("push", 0.5, 1.5, 3), sharp=1e-3)
+    assert found.outcomes == ("steady", "cycle", "cycle") and found.unit == "m^3/s"
+    # the slope of the law is zero, and the linear verdict changes, at 1.5 - 1/sqrt(3)
+    assert found.changes[0].value == pytest.approx(1.5 - 3**-0.5, rel=5e-3)
 
 
 def test_from_another_start(brake):
