@@ -185,7 +185,8 @@ def assess(
     moves = sensitivities(system, Forms(smooth), overrides)
     loci = tuple(trace(graph, point, item, parameters) for item in ranges)
     curves, notes = _boundaries(graph, loci, planes, overrides)
-    far, left = (None, [])
+    far: tuple[Margin, ...] | None = None
+    left: list[str] = []
     if span is not None:
         names, left = _followed(table, moves)
         far = margins(graph, point, parameters, names, span)
