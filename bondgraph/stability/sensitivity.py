@@ -115,8 +115,10 @@ class Sensitivities:
         return numpy.asarray(self.derivatives[:, self.names.index(name)])
 
     def moving(self) -> tuple[str, ...]:
-        """Return what moves any eigenvalue, without what the table derives from others."""
+        """Return what moves any eigenvalue or may, without what the table derives from others."""
         named = {item.parameter for k in range(len(self.eigenvalues)) for item in self.ranked(k)}
+        unknown = ~numpy.isfinite(self.derivatives).all(axis=0)
+        named |= {name for name, may in zip(self.names, unknown, strict=True) if may}
         return tuple(
             name
             for name, derived in zip(self.names, self.derived, strict=True)

@@ -121,6 +121,7 @@ def test_two_equal_eigenvalues_have_no_derivatives():
     assert np.isnan(found.derivatives).all()
     assert "no derivatives of their own" in found.notes[0]
     assert found.ranked(0) == () and found.to_json()[0]["d_growth"] == [None] * 4
+    assert found.moving() == ("k",)  # what is not known to do nothing may do something
 
 
 def test_where_a_change_takes_the_steady_state_away():
