@@ -10,7 +10,7 @@ import logging
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from .attractors import Attractor, Attractors, Reach, find_attractors, reach
+    from .attractors import Attractor, Attractors, Reach, Trend, find_attractors, reach, trends
     from .causality import CausalGraph, assign_causality
     from .causality_report import CausalityReport, report_causality
     from .cycles import (
@@ -141,6 +141,7 @@ _HOME = {
     "TF": "elements",
     "TIME": "graph",
     "Trajectory": "simulation",
+    "Trend": "attractors",
     "Zero": "elements",
     "assemble": "graph",
     "assign_causality": "causality",
@@ -166,6 +167,7 @@ _HOME = {
     "spectrum": "cycles",
     "steady_state": "steady",
     "symbolic_system": "symbolic",
+    "trends": "attractors",
 }
 
 __all__ = [
@@ -250,6 +252,8 @@ __all__ = [
     "TIME",
     "TimeResponse",
     "Trajectory",
+    "Trend",
+    "trends",
     "Zero",
 ]
 __version__ = "0.1.0"

@@ -51,7 +51,7 @@ def library_reports(folder: str | Path, names: Iterable[str] | None = None) -> t
 
 
 def _entry(folder: Path, name: str, description: str) -> Entry:
-    from bondgraph.attractors import find_attractors
+    from bondgraph.attractors import motions
     from bondgraph.report import Entry, headline, stability_planes, write_report
     from bondgraph.stability import assess
 
@@ -61,10 +61,10 @@ def _entry(folder: Path, name: str, description: str) -> Entry:
     try:
         result = assess(load_model(name), vary=parts.ranges)
         maps = stability_planes(result, parts.maps)
-        found = find_attractors(result.graph)
+        found = motions(result.graph, vary=parts.ranges)
         write_report(result, folder / name, parts.sections({}), parts.description, maps, found)
     except BondGraphError as error:
         return Entry(name, "", "No report", (str(error),), description, False)
     shown, page = tuple(result.verdict.splitlines()), f"{name}/index.html"
-    good = result.stable and not found.beside
-    return Entry(name, page, headline(result, found), shown, description, good)
+    good = result.stable and not found.attractors.beside
+    return Entry(name, page, headline(result, found.attractors), shown, description, good)

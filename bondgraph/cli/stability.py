@@ -12,7 +12,7 @@ import click
 from . import options as opt
 
 if TYPE_CHECKING:
-    from bondgraph.attractors import Attractors
+    from bondgraph.attractors import Motions
     from bondgraph.graph import BondGraph
     from bondgraph.stability import Vary
 
@@ -97,7 +97,8 @@ def stability(
     )
     maps = stability_planes(result, pairs, modes)
     wanted = cycles if cycles is not None else report is not None and not modes
-    found = _attractors(graph, values, inputs, required=bool(cycles)) if wanted else None
+    along = ranges or (parts.ranges if parts else [])
+    found = _motions(graph, values, inputs, along, required=bool(cycles)) if wanted else None
     page = None
     if report is not None and parts is not None:
         own = parts.sections(values)
@@ -105,7 +106,7 @@ def stability(
     if as_json:
         told: dict[str, Any] = {"maps": [map_json(item) for item in maps]} if maps else {}
         if found is not None:
-            told["attractors"] = found.to_json()
+            told |= found.to_json()
         opt.print_json({**result.to_json(), **told})
         return
     stability_tables(result, maps, found)
@@ -113,15 +114,19 @@ def stability(
         click.echo(f"report: {page}")
 
 
-def _attractors(
-    graph: BondGraph, values: dict[str, Any], inputs: dict[str, Any], required: bool
-) -> Attractors | None:
-    """Return what the model ends in; None where it cannot be run, unless that was asked for."""
-    from bondgraph.attractors import find_attractors
+def _motions(
+    graph: BondGraph,
+    values: dict[str, Any],
+    inputs: dict[str, Any],
+    along: Sequence[Vary],
+    required: bool,
+) -> Motions | None:
+    """Return what runs tell; None where the model cannot be run, unless that was asked for."""
+    from bondgraph.attractors import motions
     from bondgraph.errors import BondGraphError
 
     try:
-        return find_attractors(graph, values, inputs)
+        return motions(graph, values, inputs, along)
     except BondGraphError as error:
         if required:
             raise

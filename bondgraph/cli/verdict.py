@@ -10,7 +10,7 @@ from rich.console import Console
 from .show import new_console, new_table
 
 if TYPE_CHECKING:
-    from bondgraph.attractors import Attractors
+    from bondgraph.attractors import Motions
     from bondgraph.report import Plane
     from bondgraph.stability import Mode, StabilityResult
 
@@ -19,7 +19,7 @@ ROWS = 6
 
 
 def stability_tables(
-    result: StabilityResult, maps: Sequence[Plane] = (), attractors: Attractors | None = None
+    result: StabilityResult, maps: Sequence[Plane] = (), motions: Motions | None = None
 ) -> None:
     """Print a verdict for reading: what decides, what to change, then the tables."""
     from bondgraph.report import headline
@@ -28,6 +28,7 @@ def stability_tables(
     console = new_console()
     distances = [along(locus) for locus in result.loci]
     rest = [sentence for sentence in result.reasons if sentence not in distances]
+    attractors = None if motions is None else motions.attractors
     console.print(f"[bold]{headline(result, attractors)}[/bold]")
     for sentence in result.verdict.splitlines():
         console.print(sentence, soft_wrap=False, markup=False)
@@ -42,9 +43,9 @@ def stability_tables(
             f"{len(found) - solved} without a result",
             markup=False,
         )
-    if attractors is not None:
+    if motions is not None:
         console.print("\n[bold]Limit cycles beside the verdict[/bold]")
-        for words in (attractors.words, *(f"note: {note}" for note in attractors.notes)):
+        for words in _motion_words(motions):
             console.print(words, soft_wrap=False, markup=False)
 
 
@@ -161,3 +162,23 @@ def _edges(console: Console, result: StabilityResult, distances: list[str]) -> N
             f"edge: {edge.kind} at {edge.parameter} = {value}{frequency}{onset}",
             markup=False,
         )
+
+
+def _motion_words(motions: Motions) -> list[str]:
+    """Return what runs tell, a paragraph each."""
+    found, trends = motions.attractors, motions.trends
+    furthers = {
+        word: ", ".join(item.parameter for item in trends if item.furthers == sense)
+        for word, sense in (("more", 1), ("less", -1))
+    }
+    told = [f"{word} {names}" for word, names in furthers.items() if names]
+    return [
+        found.words,
+        *(item.words for item in motions.reaches),
+        *(
+            [f"Runs of the own start are led towards vibration by {'; by '.join(told)}."]
+            if told
+            else []
+        ),
+        *(f"note: {note}" for note in (*found.notes, *motions.notes)),
+    ]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
 
 import numpy
 import sympy
@@ -13,12 +12,11 @@ from ..dimensions import infer
 from ..equations import Equations, derive
 from ..graph import BondGraph
 from ..plot import pretty
-from ..stability import Locus, StabilityResult
+from ..stability import StabilityResult
 from ..text import to_text
 from ..units import from_si
-from .blocks import Bullets, Figure, Markup, Section, Table, Text
+from .blocks import Bullets, Markup, Section, Table, Text
 from .drawing import drawing
-from .maps import Plane
 from .mathml import state_equations
 from .words import coherent, number
 
@@ -183,46 +181,3 @@ def assumption_section(result: StabilityResult) -> Section:
         "the operating point",
     ]
     return Section("Warnings and assumptions", (Bullets(tuple(dict.fromkeys(said))),))
-
-
-def solver_section(
-    result: StabilityResult, figures: Iterable[Figure], maps: Iterable[Plane] = ()
-) -> Section:
-    """List how each computation ended."""
-    found = "isolated" if result.point.isolated else "one of many: a state is free"
-    rows = [("steady state", "found", found)]
-    for locus in result.loci:
-        good = len(locus.values) - len(locus.gaps)
-        rows.append(
-            (f"locus over {locus.name}", f"{good} of {len(locus.values)} points", _reasons(locus))
-        )
-    for shown in maps:
-        item = shown.points
-        told = "; ".join(f"{label}: {count}" for label, count in item.counts().items())
-        ended = f"{int(item.ok.sum())} of {len(item)} points"
-        rows.append((f"map of {' and '.join(item.axes)}", ended, told))
-    for figure in figures:
-        if figure.run is not None:
-            rows.append((f"run of {figure.title}", figure.run.outcome.value, _run(figure)))
-    reading = Text(
-        "What was computed for this page and how it ended. The energy residual of a run is what its "
-        "energy balance fails to close by, over all energy supplied.",
-        "note",
-    )
-    head = ("computation", "outcome", "details")
-    return Section("Solver outcomes", (Table(head, tuple(rows)), reading))
-
-
-def _reasons(locus: Locus) -> str:
-    return "; ".join(dict.fromkeys(gap.reason for gap in locus.gaps))
-
-
-def _run(figure: Figure) -> str:
-    run = figure.run
-    assert run is not None
-    residual = run.energy.relative_residual
-    energy = "no energy audit" if residual is None else f"relative energy residual {residual:.1e}"
-    return (
-        f"to {number(run.t_end)} s in {run.steps} steps ({run.backend}), {len(run.events)} changes "
-        f"of mode, {energy}"
-    )

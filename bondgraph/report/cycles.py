@@ -2,31 +2,36 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from ..errors import BondGraphError
-from ..plot import attractor_plot, pretty
+from ..plot import attractor_plot, pretty, reach_plot
 from .blocks import Bullets, Figure, Panel, Section, Table, Text
-from .words import number
+from .words import number, slug
 
 if TYPE_CHECKING:
-    from ..attractors import Attractor, Attractors
+    from ..attractors import Attractor, Attractors, Motions, Reach, ReachPoint, Trend
 
 # Swings of this many outputs stand in the table; what hardly swings is left out.
 MOST = 4
 STILL = 1e-9
 
 
-def cycle_section(found: Attractors | None) -> Section | None:
-    """Show what the model ends in from several starts, with the smallest push that matters."""
-    if found is None:
+def cycle_section(motions: Motions | None) -> Section | None:
+    """Show what the model ends in from several starts, and what that depends on."""
+    if motions is None:
         return None
+    found = motions.attractors
     blocks: list[object] = [Text(_INTRODUCTION), Text(found.words), _table(found)]
     blocks.append(Text(_READING, "note"))
     figure = _figure(found)
     if figure is not None:
         blocks.append(figure)
-    notes = [*found.notes, *(note for item in found.found for note in item.notes)]
+    blocks += [block for item in motions.reaches for block in _reach(item)]
+    blocks += _trends(motions.trends)
+    notes = [*found.notes, *(note for item in found.found for note in item.notes), *motions.notes]
+    notes += [note for item in motions.reaches for note in item.notes]
     if notes:
         blocks += [Text("Notes on the runs:"), Bullets(tuple(dict.fromkeys(notes)))]
     return Section("Limit cycles beside the verdict", tuple(blocks))
@@ -86,3 +91,65 @@ def _figure(found: Attractors) -> Figure | None:
         caption += " The dashed line is the smallest push that leads to a cycle."
     panel = Panel("attractors", ax, "Phase plane with the cycles and steady states found")
     return Figure("What runs end in.", (panel,), caption)
+
+
+def _reach(found: Reach) -> list[object]:
+    """Show what the own start ends in along a parameter."""
+    if not any(point.outcome in ("steady", "cycle") for point in found.points):
+        return [Text(found.words)]
+    panel = Panel(
+        f"reach-{slug(found.name)}",
+        reach_plot(found),
+        f"What the model's own start ends in over {found.name}",
+    )
+    caption = (
+        f"{found.words} Full dots: a cycle, hollow: a steady state; dashed: where it changes. An edge "
+        "of the eigenvalues is another matter: that tells of small motions about the steady state."
+    )
+    return [Figure(f"What the model's own start ends in along {found.name}.", (panel,), caption)]
+
+
+def _trends(found: Sequence[Trend]) -> list[object]:
+    """Tell which way each parameter leads towards vibration, as runs of the own start say."""
+    told = [item for item in found if item.furthers]
+    if not told:
+        return []
+    share = f"{100 * told[0].change:.0f} %"
+    rows = tuple(
+        (
+            item.parameter,
+            "more" if item.furthers > 0 else "less",
+            _ended(item.lower),
+            _ended(item.here),
+            _ended(item.upper),
+            item.meaning,
+        )
+        for item in told
+    )
+    head = (
+        "parameter",
+        "vibration is furthered by",
+        f"{share} less",
+        "now",
+        f"{share} more",
+        "meaning",
+    )
+    reading = (
+        "How to read it: the model's own start is run again with one parameter changed. What the "
+        "run ends in, and how near its contacts come to sticking on the way (least slip, SI), or how "
+        "far it swings once it vibrates, says which way leads towards vibration. Eigenvalues know "
+        "nothing of it: how fast a load comes on moves none of them and may decide all the same."
+    )
+    return [
+        Text("What furthers vibration, as runs tell:"),
+        Table(head, rows, "clllll", labelled=True),
+        Text(reading, "note"),
+    ]
+
+
+def _ended(point: ReachPoint) -> str:
+    slip = min(point.margins.values(), default=None)
+    if point.outcome == "cycle" and point.frequency_hz is not None:
+        return f"cycle, {number(point.frequency_hz, 4)} Hz"
+    words = {"steady": "settles"}.get(point.outcome, point.outcome)
+    return words if slip is None else f"{words}, least slip {number(slip, 4)}"

@@ -17,12 +17,13 @@ from .cycles import cycle_section
 from .deciding import deciding_section
 from .folder import drawn, write_folder
 from .maps import Plane, map_section
+from .outcomes import solver_section
 from .page import Heading, render
 from .shapes import shape_section
 from .summary import headline
 
 if TYPE_CHECKING:
-    from ..attractors import Attractors
+    from ..attractors import Motions
 
 
 def write_report(
@@ -31,7 +32,7 @@ def write_report(
     sections: Iterable[Section] = (),
     description: str = "",
     maps: Sequence[Plane] = (),
-    attractors: Attractors | None = None,
+    motions: Motions | None = None,
 ) -> Path:
     """Write a report: ``index.html``, ``stability.json``, and ``plots/`` with SVG and CSV.
 
@@ -48,8 +49,8 @@ def write_report(
         What the model is, in paragraphs; the first stands below the title.
     maps : sequence of Plane
         As `bondgraph.report.plane` makes them.
-    attractors : Attractors, optional
-        What the same model ends in from several starts, see `bondgraph.find_attractors`.
+    motions : Motions, optional
+        What runs of the same model tell, see `bondgraph.attractors.motions`.
 
     Returns
     -------
@@ -71,17 +72,19 @@ def write_report(
     ...     sorted(path.name for path in page.parent.iterdir())
     ['index.html', 'plots', 'stability.json']
     """
-    heading = _heading(result, description, attractors)
-    chapters = _chapters(result, list(sections), description, maps, attractors)
+    heading = _heading(result, description, motions)
+    chapters = _chapters(result, list(sections), description, maps, motions)
     drawings = drawn(chapters)
+    numbers = result.to_json() | ({} if motions is None else motions.to_json())
     texts = {
-        "stability.json": json.dumps(result.to_json(), indent=1, allow_nan=False) + "\n",
+        "stability.json": json.dumps(numbers, indent=1, allow_nan=False) + "\n",
         "index.html": render(heading, chapters, drawings),
     }
     return write_folder(folder, chapters, drawings, texts) / "index.html"
 
 
-def _heading(result: StabilityResult, description: str, attractors: Attractors | None) -> Heading:
+def _heading(result: StabilityResult, description: str, motions: Motions | None) -> Heading:
+    attractors = None if motions is None else motions.attractors
     lede = " ".join(description.strip().partition("\n\n")[0].split())
     shown, kind = result.verdict.splitlines(), "Stability report"
     good = result.stable and not (attractors is not None and attractors.beside)
@@ -93,7 +96,7 @@ def _chapters(
     own: list[Section],
     description: str,
     maps: Sequence[Plane],
-    attractors: Attractors | None,
+    motions: Motions | None,
 ) -> list[Section]:
     """Gather all sections in order: what a reader wants to know first stands first."""
     equations = derive(result.graph)
@@ -107,13 +110,13 @@ def _chapters(
         shape_section(result),
         spectrum.locus_section(result.loci),
         map_section(result, maps),
-        cycle_section(attractors),
+        cycle_section(motions),
         *own,
         None if own else spectrum.friction_section(result),
         contents.model_section(result, equations.causal, description),
         contents.equation_section(equations),
         causality_section(equations),
         contents.assumption_section(result),
-        contents.solver_section(result, figures, maps),
+        solver_section(result, figures, maps, motions),
     ]
     return [chapter for chapter in chapters if chapter is not None]

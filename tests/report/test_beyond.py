@@ -8,7 +8,8 @@ import re
 
 import pytest
 
-from bondgraph import find_attractors, models
+from bondgraph import models
+from bondgraph.attractors import motions
 from bondgraph.report import headline, write_report
 from bondgraph.stability import assess
 from tests.cli.test_cli import call, read
@@ -26,14 +27,15 @@ def columns(path):
 @pytest.fixture(scope="module")
 def brake(tmp_path_factory):
     values = {"mu_s": 0.5, "tau": 0.02}
-    result, found = assess(BRAKE.graph(), values), find_attractors(BRAKE.graph(), values)
-    path = write_report(result, tmp_path_factory.mktemp("report"), attractors=found)
+    result = assess(BRAKE.graph(), values)
+    found = motions(BRAKE.graph(), values, vary=["tau=0.01:0.04:4"])
+    path = write_report(result, tmp_path_factory.mktemp("report"), motions=found)
     return result, found, path
 
 
 def test_stable_alone_would_mislead(brake):
     result, found, path = brake
-    assert result.stable and found.beside
+    assert result.stable and found.attractors.beside
     text = path.read_text(encoding="utf-8")
     assert headline(result) == "Stable"
     assert 'class="verdict bad"' in text
@@ -44,13 +46,50 @@ def test_cycles_stand_with_their_numbers(brake):
     _, found, path = brake
     text = path.read_text(encoding="utf-8")
     page = Page(text)
-    assert found.words in page.text
+    assert found.attractors.words in page.text
     chapter = re.search(r'<section id="limit-cycles.*?</section>', text, re.DOTALL)[0]
     # the paper's Fig. 8, and a second one that its own start does not meet
     assert "143.318" in chapter and "108.632" in chapter and "friction 65%" in chapter
     assert len(re.findall("limit cycle<", chapter)) == 2
     table = columns(path.parent / "plots" / "attractors.csv")
     assert any(name.startswith("cycle, 143.3 Hz") for name in table)
+
+
+def test_what_the_own_start_ends_in_stands_along_a_parameter(brake):
+    _, found, path = brake
+    (along,) = found.reaches
+    assert along.words in Page(path.read_text(encoding="utf-8")).text
+    # fast application squeals, slow application slides
+    assert along.outcomes[0] == "cycle" and along.outcomes[-1] == "steady"
+    assert (path.parent / "plots" / "reach-tau.csv").exists()
+    numbers = json.loads((path.parent / "stability.json").read_text(encoding="utf-8"))
+    assert numbers["reach"][0]["changes"] and {"attractors", "trends"} <= set(numbers)
+
+
+def test_the_papers_trends_are_the_reports_own(tmp_path):
+    """Procedia Engineering 72 (2014) 471-476: what furthers vibration, from the page's tables."""
+    call("stability", "bicycle_brake", "--set", "mu_s=0.42", "--report", str(tmp_path))
+    text = (tmp_path / "index.html").read_text(encoding="utf-8")
+    chapter = re.search(r'<section id="limit-cycles.*?</section>', text, re.DOTALL)[0]
+    rows = dict(re.findall(r'<th scope="row"><code>(\w+)</code></th><td>(more|less)</td>', chapter))
+    more = {"mu_s", "v_s", "F_k"}  # ratio of the coefficients, slower decay, larger force
+    less = {
+        "mu_k",
+        "tau",
+        "V0",
+        "k_f",
+        "k_w",
+        "zeta_f",
+        "zeta_w",
+    }  # faster, slower bike, softer, ...
+    assert more <= {name for name, word in rows.items() if word == "more"}
+    assert less <= {name for name, word in rows.items() if word == "less"}
+    # the eigenvalues say the same of what they know
+    numbers = json.loads((tmp_path / "stability.json").read_text(encoding="utf-8"))
+    place = next(k for k, row in enumerate(numbers["eigenvalues"]) if row["frequency_hz"] > 0)
+    slopes = {row["parameter"]: row["d_growth"][place] for row in numbers["sensitivities"]}
+    assert all(slopes[name] > 0 for name in more)
+    assert all(slopes[name] < 0 for name in ("mu_k", "V0", "k_w", "zeta_w"))
 
 
 def test_the_shape_of_the_critical_mode(brake):
