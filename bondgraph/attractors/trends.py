@@ -63,14 +63,26 @@ class Trend:
             or self._swing()
         )
 
-    def _swing(self) -> int:
-        found = 0.0
+    @property
+    def swings(self) -> tuple[str, float, float, float] | None:
+        """The output whose swing changes most, and its swing at the three values, SI."""
+        found: tuple[str, float, float, float] | None = None
+        most = 0.0
         for name, here in self.here.amplitudes.items():
-            low, high = (point.amplitudes.get(name) for point in (self.lower, self.upper))
-            if low is not None and high is not None and here.peak_to_peak > 0:
-                moved = (high.peak_to_peak - low.peak_to_peak) / here.peak_to_peak
-                found = max(found, moved, key=abs)
-        return _sense(0.0, found, SAME)
+            sides = [point.amplitudes.get(name) for point in (self.lower, self.upper)]
+            low, high = (None if side is None else side.peak_to_peak for side in sides)
+            if low is None or high is None or here.peak_to_peak <= 0:
+                continue
+            moved = abs(high - low) / here.peak_to_peak
+            if moved > most:
+                found, most = (name, low, here.peak_to_peak, high), moved
+        return found
+
+    def _swing(self) -> int:
+        if self.swings is None:
+            return 0
+        _, low, here, high = self.swings
+        return _sense(low, high, SAME * here)
 
     def to_json(self) -> dict[str, Any]:
         """Return plain values in SI; None for what is no number."""

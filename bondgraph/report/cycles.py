@@ -119,9 +119,7 @@ def _trends(found: Sequence[Trend]) -> list[object]:
         (
             item.parameter,
             "more" if item.furthers > 0 else "less",
-            _ended(item.lower),
-            _ended(item.here),
-            _ended(item.upper),
+            *_ends(item),
             item.meaning,
         )
         for item in told
@@ -136,8 +134,8 @@ def _trends(found: Sequence[Trend]) -> list[object]:
     )
     reading = (
         "How to read it: the model's own start is run again with one parameter changed. What the "
-        "run ends in, and how near its contacts come to sticking on the way (least slip, SI), or how "
-        "far it swings once it vibrates, says which way leads towards vibration. Eigenvalues know "
+        "run ends in, and how near its contacts come to sticking on the way (least slip, SI), or, where "
+        "it vibrates anyway, how far the output named swings (SI), says which way leads towards vibration. Eigenvalues know "
         "nothing of it: how fast a load comes on moves none of them and may decide all the same."
     )
     return [
@@ -145,6 +143,16 @@ def _trends(found: Sequence[Trend]) -> list[object]:
         Table(head, rows, "clllll", labelled=True),
         Text(reading, "note"),
     ]
+
+
+def _ends(trend: Trend) -> tuple[str, str, str]:
+    """Say what the start ends in at the three values, and what is compared there."""
+    points = (trend.lower, trend.here, trend.upper)
+    told = [_ended(point) for point in points]
+    if trend.swings is not None and all(point.outcome == "cycle" for point in points):
+        name, *sizes = trend.swings
+        told = [f"{word}, {name} {number(size, 4)}" for word, size in zip(told, sizes, strict=True)]
+    return told[0], told[1], told[2]
 
 
 def _ended(point: ReachPoint) -> str:
