@@ -201,8 +201,25 @@ def energy_plot(found: LinearSystem | Iterable[Mode], *, ax: Axes | None = None)
     ax.set_xlim(min(0.0, *ends[-1], 0.0) * 1.02, max([1.0, *ends[+1]]) * 1.005)
     ax.grid(False, axis="y")
     ax.set_xlabel("share of the mode's energy [1]")
-    key_above(ax)
+    _roomy_key(ax)
     return ax
+
+
+def _roomy_key(ax: Axes) -> None:
+    """Put the key above in rows of three, which a narrow figure holds."""
+    handles, labels = ax.get_legend_handles_labels()
+    ax.legend(
+        handles,
+        labels,
+        ncols=min(len(labels), 3) or 1,
+        loc="lower left",
+        bbox_to_anchor=(-0.25, 1.0),
+        frameon=False,
+        fontsize=9,
+        labelcolor=INK,
+        columnspacing=0.9,
+        handlelength=1.3,
+    )
 
 
 def _hand(ax: Axes, row: int, phase: float) -> None:
@@ -222,7 +239,7 @@ def _hand(ax: Axes, row: int, phase: float) -> None:
 def _written(ax: Axes, x: float, row: int, words: str) -> None:
     """Write on a bar, on a plain ground so that hatching does not cross it."""
     box = {"boxstyle": "round,pad=0.15", "fc": "white", "ec": "none", "alpha": 0.85}
-    ax.text(x, row, words, ha="center", va="center", size=8, color=INK, bbox=box)
+    ax.text(x, row, words, ha="center", va="center", size=9, color=INK, bbox=box)
 
 
 def _junction(shape: ModeShape, name: str) -> str:

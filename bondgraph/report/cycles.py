@@ -135,8 +135,9 @@ def _trends(found: Sequence[Trend]) -> list[object]:
     reading = (
         "How to read it: the model's own start is run again with one parameter changed. What the "
         "run ends in, and how near its contacts come to sticking on the way (least slip, SI), or, where "
-        "it vibrates anyway, how far the output named swings (SI), says which way leads towards vibration. Eigenvalues know "
-        "nothing of it: how fast a load comes on moves none of them and may decide all the same."
+        "it vibrates anyway, how far the output named swings (SI), says which way leads towards "
+        "vibration. Eigenvalues know nothing of it: how fast a load comes on moves none of them and "
+        "may decide all the same."
     )
     return [
         Text("What furthers vibration, as runs tell:"),

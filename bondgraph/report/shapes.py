@@ -85,29 +85,9 @@ def _energies(result: StabilityResult) -> Panel | None:
     if not modes or len(shown) > KEYS:
         return None
     drawn = energy_plot(modes, ax=new_axes((WIDTH, 1.5 + 0.42 * len(modes))))
-    _roomy(drawn)
     return Panel(
         "mode-energies", drawn, "Bars: where the energy of each mode is", _energy_numbers(modes)
     )
-
-
-def _roomy(ax: Axes) -> None:
-    """Break the key into rows that fit a phone, with letters that can be read there."""
-    handles, labels = ax.get_legend_handles_labels()
-    ax.legend(
-        handles,
-        labels,
-        ncols=min(len(labels), 3),
-        loc="lower left",
-        bbox_to_anchor=(-0.25, 1.0),
-        frameon=False,
-        fontsize=9,
-        labelcolor=INK,
-        columnspacing=0.9,
-        handlelength=1.3,
-    )
-    for text in ax.texts:
-        text.set_fontsize(9)
 
 
 def _energy_numbers(modes: list[Mode]) -> dict[str, numpy.ndarray]:
