@@ -2,17 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy
 
 from ..plot import energy_plot, mode_shape_plot, new_axes
-from ..plot.style import INK
 from ..stability import Mode, StabilityResult
 from .blocks import Figure, Panel, Section, Text
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 # Inches: as wide as all plots of a page, so that letters keep their size.
 WIDTH = 5.0
