@@ -1,8 +1,10 @@
-"""Stability: is the steady state stable, what decides it, how far is the edge.
+"""Stability: is the steady state stable, what decides it, how far is the edge, what to change.
 
-`assess` finds the operating point, linearises there, tells which elements carry
-and which feed each mode, follows the eigenvalues along parameters, and says the
-result in words.
+`assess` gathers all of it from one graph. `family` has the equations of steady states with parameters free,
+`branch` solves them along one, `locus` samples it; `continuation` follows branches and edges by
+arclength; `edges` and `onset` describe a crossing, by the exact `derivatives` of the rates. `margins` asks
+every parameter how far it may go, `sensitivity` what it does to each eigenvalue, `slopes` which
+laws fall; `verdict` and `advice` say it in words. `maps` is about many points at once, `vary` reads ranges.
 """
 
 from ..linear import Mode, modal_table
@@ -20,25 +22,25 @@ from .verdict import verdict
 
 __all__ = [
     "Boundary",
-    "Margin",
-    "Path",
-    "Special",
-    "follow_edge",
-    "margins",
     "Edge",
     "Effect",
     "EigenvalueMap",
     "Gap",
     "Locus",
+    "Margin",
     "Mode",
     "Onset",
+    "Path",
     "PointOutcome",
     "Sensitivities",
+    "Special",
     "StabilityResult",
     "Vary",
     "assess",
     "eigenvalue_map",
+    "follow_edge",
     "incremental_resistances",
+    "margins",
     "modal_table",
     "onset",
     "sensitivities",
