@@ -17,6 +17,8 @@ from .value import Attractors
 
 # Points of a parameter along which the own start is run.
 POINTS = 13
+# Seconds of the processor for each of the later parts.
+BUDGET = 10.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,6 +90,6 @@ def motions(
     reaches = []
     for item in map(as_vary, vary):
         fewer = replace(item, n=min(item.n, POINTS))
-        reaches.append(reach(model, fewer, parameters, inputs))
-    moved, notes = trends(model, parameters, inputs)
+        reaches.append(reach(model, fewer, parameters, inputs, budget=BUDGET))
+    moved, notes = trends(model, parameters, inputs, budget=BUDGET)
     return Motions(attractors, tuple(reaches), moved, notes)

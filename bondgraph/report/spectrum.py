@@ -9,6 +9,7 @@ import numpy
 from ..elements import Friction
 from ..plot import friction_curve, growth_rates, pretty, root_locus
 from ..stability import Edge, Locus, Mode, StabilityResult
+from ..stability.advice import CHANGE
 from ..stability.verdict import along, duration
 from ..units import from_si
 from .blocks import Figure, Panel, Section, Table, Text
@@ -16,6 +17,8 @@ from .summary import ONSETS
 from .words import coherent, number, slug
 
 CARRIERS = 3
+# Parameters told for each mode.
+MOVERS = 3
 # A state matrix of more rows is left to the JSON.
 READABLE = 24
 
@@ -45,9 +48,50 @@ def eigenvalue_section(result: StabilityResult) -> Section:
                 "what each dissipator or source adds to the growth rate.",
                 "note",
             ),
+            *_movers(result),
             *_matrix(result),
         ),
     )
+
+
+def _movers(result: StabilityResult) -> list[object]:
+    """Say of every mode which parameters move its growth and its frequency most."""
+    rows = []
+    for index, mode in enumerate(result.rows):
+        if mode.eigenvalue.imag < 0:
+            continue
+        growth = result.sensitivities.ranked(index, derived=False, by="growth")[:MOVERS]
+        pitch = result.sensitivities.ranked(index, derived=False, by="frequency")[:MOVERS]
+        waves = pitch if mode.eigenvalue.imag else ()
+        name = f"{number(mode.frequency_hz, 5)} Hz" if mode.eigenvalue.imag else "real"
+        rows.append(
+            (
+                f"{name}, {number(mode.eigenvalue.real, 4)} 1/s",
+                ", ".join(f"{e.parameter} {signed(e.growth(CHANGE))}" for e in growth),
+                ", ".join(f"{e.parameter} {signed(e.frequency(CHANGE))}" for e in waves),
+            )
+        )
+    if not any(growth or pitch for _, growth, pitch in rows):
+        return []
+    share = f"{100 * CHANGE:.0f} %"
+    head = ("mode", f"growth rate for +{share} [1/s]", f"frequency for +{share} [Hz]")
+    words = (
+        f"What moves each mode: the {MOVERS} parameters that change its growth rate and its "
+        f"frequency most when raised by {share}, to first order. All of them, those that derive from "
+        "others too, stand in stability.json."
+    )
+    return [Text(words), Table(head, tuple(rows), "lll")]
+
+
+def signed(value: float) -> str:
+    """Write a change with its sign.
+
+    Examples
+    --------
+    >>> signed(0.25), signed(-12.0)
+    ('+0.25', '-12')
+    """
+    return f"{'+' if value > 0 else ''}{number(value, 3)}"
 
 
 def _matrix(result: StabilityResult) -> list[object]:

@@ -294,3 +294,13 @@ def test_numbers_are_short_and_exact():
         "0.05",
         "1.23457e6",
     ]
+
+
+def test_every_mode_says_what_moves_it(squeal):
+    result, _, page, _ = squeal
+    effect = result.sensitivities.ranked(0, derived=False, by="growth")[0]
+    assert f"{effect.parameter} +{effect.growth(0.1):.3g}" in page.text
+    # the frame's own frequency is what moves the frame's mode
+    place = next(k for k, row in enumerate(result.rows) if row.frequency_hz > 290)
+    pitch = result.sensitivities.ranked(place, derived=False, by="frequency")[0]
+    assert pitch.parameter == "f_f" and f"f_f +{pitch.frequency(0.1):.3g}" in page.text
