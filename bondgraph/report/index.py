@@ -64,10 +64,10 @@ def write_index(folder: str | Path, title: str, entries: Sequence[Entry]) -> Pat
     ...     "<h3><a href=" in write_index(folder, "models", [entry]).read_text(encoding="utf-8")
     True
     """
-    unstable = [entry.model for entry in entries if not entry.good]
-    count = f"{len(entries) - len(unstable)} of {len(entries)} stable"
-    told = [f"Not stable: {', '.join(unstable)}."] if unstable else []
-    heading = Heading(title, "Stability reports", count, told, not unstable)
+    marked = [entry for entry in entries if not entry.good]
+    count = f"{len(marked)} of {len(entries)} to look at" if marked else "All stable"
+    told = [f"{entry.model}: {entry.headline}." for entry in marked]
+    heading = Heading(title, "Stability reports", count, told, not marked)
     sections = [
         Section(
             "Reports",

@@ -97,7 +97,11 @@ def test_reports_on_the_library(tmp_path):
     page = Page((tmp_path / "index.html").read_text(encoding="utf-8"))
     assert page.links == ["mass_on_belt/index.html", "quarter_car/index.html"]
     assert all((tmp_path / link).is_file() for link in page.links)
-    assert "1 of 2 stable" in page.text and "mass_on_belt is unstable" in page.text
+    assert (
+        "1 of 2 to look at" in page.text
+        and "mass_on_belt: Unstable." in page.text
+        and "mass_on_belt is unstable" in page.text
+    )
 
 
 def test_a_report_that_fails_is_named_and_the_others_go_on(tmp_path, monkeypatch):
