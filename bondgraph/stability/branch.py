@@ -69,11 +69,11 @@ class Branch:
         """
         u, p = self.arguments(value)
         x, _ = solve_rates(self.smooth, guess, u, p)
+        if self.point.algebraic:
+            self.smooth.state_matrix(x, u, p)  # to say where they are not determined
         left = self.family.leaves(numpy.append(x, value))
         if left is not None:
             raise SteadyStateError(left, elements=list(self.point.modes))
-        if self.point.algebraic:
-            self.smooth.state_matrix(x, u, p)  # to say where they are not determined
         return x
 
     def eigenvalues(self, value: float, x: numpy.ndarray) -> numpy.ndarray:

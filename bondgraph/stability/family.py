@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy
 
+from ..errors import SteadyStateError
 from ..graph import BondGraph
 from ..parameters import unknown_name
 from ..resolver import Resolver
@@ -121,7 +122,15 @@ class Family:
         return poles[numpy.lexsort((-poles.imag, -poles.real))].astype(complex)
 
     def leaves(self, y: Array) -> str | None:
-        """Return which contact leaves its mode at a point, in words; None where none does."""
+        """Say why a point is none of the family's; None where it is.
+
+        A contact may leave its mode, or algebraic variables be no longer determined.
+        """
+        if self.point.algebraic:
+            try:
+                self.smooth.state_matrix(*self.split(y))
+            except SteadyStateError as error:
+                return str(error)
         for name, found in self.smooth.contact_values(*self.split(y)).items():
             better = found.better_mode(self.point.modes[name])
             if better is not None:

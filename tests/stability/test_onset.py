@@ -63,7 +63,9 @@ def test_against_the_planar_formula(seed):
 
 
 def test_the_amplitude_behind_a_soft_edge_is_that_of_the_motion():
-    law = lambda q, p: mu * p + 0.7 * q * p - 0.4 * p**3 - 0.3 * q**2 * p  # noqa: E731
+    def law(q, p):
+        return mu * p + 0.7 * q * p - 0.4 * p**3 - 0.3 * q**2 * p
+
     spring = C("k", 1)
     damper = R("d", effort=lambda f: -law(spring.q, f))
     graph = assemble(
@@ -117,7 +119,10 @@ def test_the_belt_by_hand():
 
 def test_algebraic_variables_follow():
     """The same oscillator with its resistance split by a loop that is not solved by hand."""
-    law = lambda f: -mu * f + a * f**3  # noqa: E731
+
+    def law(f):
+        return -mu * f + a * f**3
+
     plain = assemble(
         "plain",
         One("v") >> (I("m", 1), C("k", 1), R("d", effort=law)),

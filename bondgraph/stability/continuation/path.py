@@ -115,26 +115,11 @@ def follow_path(
     outer = min(low, at), max(high, at)
     reach = 1e-9 * (high - low)
 
-    halves: list[Curve] = []
-    for sense in (-1, 1):
-        along = numpy.zeros(len(start))
-        along[-1] = sense
-        if sense not in senses:
-            halves.append(Curve(start[None, :], along[None, :], NOT_ASKED))
-            continue
-        stop = _stopper(family) if only_first else None
-        half = follow(
-            frame,
-            start,
-            along,
-            family.leaves,
-            borders={-1: outer},
-            longest=step,
-            most=MOST_POINTS,
-            enough=stop,
-        )
-        halves.append(half)
-    back, ahead = halves
+    stop = _stopper(family) if only_first else None
+    back, ahead = (
+        _half(family, frame, sense, outer, step, stop) if sense in senses else _still(start, sense)
+        for sense in (-1, 1)
+    )
     points = numpy.vstack([back.points[:0:-1], ahead.points])
     here = len(back.points) - 1
     eigenvalues = numpy.array([family.eigenvalues(y) for y in points])
@@ -152,6 +137,38 @@ def follow_path(
         tuple(place for place, _ in inside),
         (back.end, ahead.end),
     )
+
+
+def _half(
+    family: Family,
+    frame: Frame,
+    sense: int,
+    outer: tuple[float, float],
+    step: float,
+    stop: Callable[[Array, Array], bool] | None,
+) -> Curve:
+    """Follow the branch one way, to a border, an end, or where it is enough."""
+    return follow(
+        frame,
+        family.start,
+        _along(family.start, sense),
+        family.leaves,
+        borders={-1: outer},
+        longest=step,
+        most=MOST_POINTS,
+        enough=stop,
+    )
+
+
+def _still(start: Array, sense: int) -> Curve:
+    """Return the curve of a way that is not asked for: its start."""
+    return Curve(start[None, :], _along(start, sense)[None, :], NOT_ASKED)
+
+
+def _along(start: Array, sense: int) -> Array:
+    along = numpy.zeros(len(start))
+    along[-1] = sense
+    return along
 
 
 def _stopper(family: Family) -> Callable[[Array, Array], bool]:
