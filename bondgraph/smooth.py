@@ -335,6 +335,16 @@ def in_dependence(
     return list(placed)
 
 
+def own_variables(equations: Equations, graph: BondGraph) -> dict[sympy.Symbol, sympy.Expr]:
+    """Return what the port variables of a graph's elements are in the equations' variables."""
+    return {
+        symbol: equations.ports[f"{name}.{key}"]
+        for name, element in graph.elements.items()
+        for key, symbol in element.symbols.items()
+        if f"{name}.{key}" in equations.ports
+    }
+
+
 def _contact_rows(
     equations: Equations, graph: BondGraph, laws: Mapping[str, Switched]
 ) -> list[sympy.Expr]:
@@ -342,12 +352,7 @@ def _contact_rows(
 
     The symbols are those of the graph given, which may be built anew beside the equations'.
     """
-    variables = {
-        symbol: equations.ports[f"{name}.{key}"]
-        for name, element in graph.elements.items()
-        for key, symbol in element.symbols.items()
-        if f"{name}.{key}" in equations.ports
-    }
+    variables = own_variables(equations, graph)
     rows: list[sympy.Expr] = []
     for name, element in laws.items():
         rows += [equations.ports[f"{name}.f"], equations.ports[f"{name}.e"]]

@@ -71,7 +71,7 @@ class Branch:
         x, _ = solve_rates(self.smooth, guess, u, p)
         if self.point.algebraic:
             self.smooth.state_matrix(x, u, p)  # to say where they are not determined
-        left = self.family.leaves(numpy.append(x, value))
+        left = self.family.switches(numpy.append(x, value))
         if left is not None:
             raise SteadyStateError(left, elements=list(self.point.modes))
         return x

@@ -15,6 +15,35 @@ Array = numpy.ndarray
 Form = Callable[..., Any]
 
 
+def null_vectors(matrix: Array, sizes: Array) -> tuple[Array, Array]:
+    """Return right and left null vectors of a matrix that is singular, or nearly so.
+
+    Found in states measured by their sizes, where units do not count, and returned in them.
+
+    Parameters
+    ----------
+    matrix : (n, n) complex array
+    sizes : (n,) array
+
+    Returns
+    -------
+    right, left : (n,) complex array
+        ``matrix @ (right * sizes)`` and ``(left / sizes) @ matrix`` vanish; the right one has
+        length one.
+
+    Examples
+    --------
+    >>> right, left = null_vectors(numpy.array([[1.0, -1.0], [2.0, -2.0]]), numpy.ones(2))
+    >>> bool(abs(right[0] - right[1]) < 1e-15), bool(abs(left[0] + 2 * left[1]) < 1e-15)
+    (True, True)
+    """
+    scaled = matrix * sizes[None, :] / sizes[:, None]
+    rows = numpy.abs(scaled).max(axis=1, keepdims=True)
+    rows[rows == 0] = 1.0
+    columns, _, right = numpy.linalg.svd(scaled / rows)
+    return right[-1].conj(), columns[:, -1].conj() / rows[:, 0]
+
+
 class Forms:
     """Derivatives of the rates of some equations as functions, each built when first asked for.
 
@@ -48,6 +77,12 @@ class Forms:
         """
         rates, by_x, by_arguments = self._slopes(x, u, p)
         return rates.full().ravel(), by_x.full(), by_arguments.full()
+
+    @property
+    def mass(self) -> Array:
+        """The matrix M of ``M dx/dt = rates``: one for each state, zero for algebraic variables."""
+        size = self.smooth.order + len(self.smooth.equations.algebraic)
+        return numpy.diag((numpy.arange(size) < self.smooth.order).astype(float))
 
     @cached_property
     def _symbols(self) -> tuple[Any, list[Any], Any]:

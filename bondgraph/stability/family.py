@@ -131,6 +131,10 @@ class Family:
                 self.smooth.state_matrix(*self.split(y))
             except SteadyStateError as error:
                 return str(error)
+        return self.switches(y)
+
+    def switches(self, y: Array) -> str | None:
+        """Say which contact leaves its mode at a point; None where none does."""
         for name, found in self.smooth.contact_values(*self.split(y)).items():
             better = found.better_mode(self.point.modes[name])
             if better is not None:

@@ -11,7 +11,7 @@ import numpy
 from ..linear import linearize_at
 from ..smooth import Smooth
 from ..steady import SteadyState
-from .derivatives import Derivatives, Forms
+from .derivatives import Derivatives, Forms, null_vectors
 
 Array = numpy.ndarray
 
@@ -129,12 +129,14 @@ def onset(
     smooth = forms.smooth
     at = forms.at(point.vector, list(point.inputs.values()), smooth.vector(point.parameters))
     order = smooth.order
-    mass = numpy.diag((numpy.arange(len(at.x)) < order).astype(float))
+    mass = forms.mass
     if sizes is None:
         sizes = numpy.diag(scipy.linalg.matrix_balance(at.jacobian, permute=False)[1])
     try:
-        q, p = _vectors(at.jacobian, mass, omega, sizes)
-        q, p = q / numpy.linalg.norm(q[:order]), p * numpy.linalg.norm(q[:order])
+        right, left = null_vectors(at.jacobian - 1j * omega * mass, sizes)
+        q, p = right * sizes, left / sizes
+        q = q / numpy.linalg.norm(q[:order])
+        p = p / (p @ mass @ q)
         told = _cubic(at, mass, q, p, omega, sizes)
         slope = _slope(at, q, p, _place(smooth, point, parameter), sizes)
     except numpy.linalg.LinAlgError:
@@ -156,20 +158,6 @@ def _place(smooth: Smooth, point: SteadyState, parameter: str) -> int:
     if parameter in inputs:
         return inputs.index(parameter)
     return len(inputs) + smooth.names.index(parameter)
-
-
-def _vectors(jacobian: Array, mass: Array, omega: float, scale: Array) -> tuple[Array, Array]:
-    """Return right and left null vectors of ``J - i omega M`` with ``p M q = 1``.
-
-    Found in states measured by their sizes, where units do not count.
-    """
-    pencil = (jacobian - 1j * omega * mass) * scale[None, :] / scale[:, None]
-    rows = numpy.abs(pencil).max(axis=1, keepdims=True)
-    rows[rows == 0] = 1.0
-    columns, _, right = numpy.linalg.svd(pencil / rows)
-    q = right[-1].conj() * scale
-    p = columns[:, -1].conj() / rows[:, 0] / scale
-    return q, p / (p @ mass @ q)
 
 
 def _cubic(

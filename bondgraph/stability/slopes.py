@@ -10,6 +10,7 @@ import sympy
 from ..codegen.program import Program
 from ..codegen.to_casadi import to_casadi
 from ..elements import R
+from ..smooth import own_variables
 from ..steady import SteadyState
 
 
@@ -38,12 +39,7 @@ def incremental_resistances(point: SteadyState) -> dict[str, float]:
     """
     equations = point.equations
     graph = equations.graph
-    variables = {
-        symbol: equations.ports[f"{name}.{key}"]
-        for name, element in graph.elements.items()
-        for key, symbol in element.symbols.items()
-        if f"{name}.{key}" in equations.ports
-    }
+    variables = own_variables(equations, graph)
     rows: dict[str, tuple[sympy.Expr, bool]] = {}
     for name, element in graph.of(R):
         given = element.effort is not None

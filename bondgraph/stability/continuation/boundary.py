@@ -284,15 +284,9 @@ def _zero(
 ) -> Array | None:
     from scipy.optimize import brentq
 
-    def at(share: float) -> Array:
-        y = between(frame, *ends, share)
-        if y is None:
-            raise BondGraphError("lost")
-        return y
-
     try:
-        share = float(brentq(lambda s: height(at(s)), 0.0, 1.0, xtol=1e-10))
-        y, sides = at(share), [abs(height(end)) for end in ends]
+        share = float(brentq(lambda s: height(between(frame, *ends, s)), 0.0, 1.0, xtol=1e-10))
+        y, sides = between(frame, *ends, share), [abs(height(end)) for end in ends]
     except (BondGraphError, ValueError, RuntimeError):
         return None
     # a pole changes its sign as well

@@ -73,11 +73,11 @@ def _crossing(family: Family, frame: Frame, ends: Ends, order: int) -> tuple[flo
     from scipy.optimize import brentq
 
     def height(share: float) -> float:
-        return float(family.eigenvalues(_between(frame, ends, share))[order].real)
+        return float(family.eigenvalues(between(frame, *ends, share))[order].real)
 
     try:
         share = float(brentq(height, 0.0, 1.0, xtol=1e-14, rtol=1e-14, maxiter=200))
-        y = _between(frame, ends, share)
+        y = between(frame, *ends, share)
         rising = height(1.0) > 0
     except (BondGraphError, ValueError, RuntimeError):
         return None
@@ -99,13 +99,6 @@ def _which(poles: Array, order: int, before: Array) -> complex:
     )
 
 
-def _between(frame: Frame, ends: Ends, share: float) -> Array:
-    y = between(frame, *ends, share)
-    if y is None:
-        raise BondGraphError("the curve was lost between two of its points")
-    return y
-
-
 def _dips(heights: Array, signs: Array) -> bool:
     """Whether three samples of one sign may hide a dip through zero."""
     if not (signs[0] != 0 and (signs == signs[0]).all()):
@@ -125,13 +118,13 @@ def _window(
         ends = points[left], points[right]
 
         def height(share: float, ends: Ends = ends) -> float:
-            return sign * float(family.eigenvalues(_between(frame, ends, share))[0].real)
+            return sign * float(family.eigenvalues(between(frame, *ends, share))[0].real)
 
         try:
             lowest = minimize_scalar(height, bounds=(0.0, 1.0), method="bounded")
             if lowest.fun >= 0:
                 continue
-            middle = _between(frame, ends, float(lowest.x))
+            middle = between(frame, *ends, float(lowest.x))
         except BondGraphError:
             continue
         turn = left + float(lowest.x)

@@ -12,6 +12,8 @@ from typing import Protocol
 
 import numpy
 
+from ...errors import BondGraphError
+
 Array = numpy.ndarray
 
 FIRST_STEP, LEAST_STEP, LONGEST_STEP = 0.01, 1e-8, 0.05
@@ -259,10 +261,19 @@ def _closed(frame: Frame, points: list[Array], step: float) -> bool:
     return bool(between and numpy.linalg.norm(off) <= 0.1 * step)
 
 
-def between(frame: Frame, low: Array, high: Array, share: float) -> Array | None:
-    """Return the point of the curve at a share of the chord between two neighbours."""
+def between(frame: Frame, low: Array, high: Array, share: float) -> Array:
+    """Return the point of the curve at a share of the chord between two neighbours.
+
+    Raises
+    ------
+    BondGraphError
+        Where the curve is lost on the way.
+    """
     chord = (high - low) / frame.scale
     length = float(numpy.linalg.norm(chord))
     if length == 0:
         return low
-    return frame.corrected(low + share * (high - low), chord / length)
+    found = frame.corrected(low + share * (high - low), chord / length)
+    if found is None:
+        raise BondGraphError("the curve was lost between two of its points")
+    return found

@@ -9,6 +9,7 @@ from typing import Any
 import numpy
 
 from ...errors import BondGraphError
+from ..derivatives import null_vectors
 from ..family import Family
 from .curve import Frame
 
@@ -73,7 +74,7 @@ class Defining:
         x, free = unknown[:n], unknown[-2:]
         u, p = self.family.symbolic(free)
         rates = self.family.smooth.symbolic(x, u, p)
-        mass = casadi.DM((numpy.arange(n) < self.family.smooth.order).astype(float))
+        mass = casadi.DM(numpy.diag(self.family.forms.mass))
         weights = casadi.DM(self.weights)
         real = unknown[n : 2 * n]
         if self.kind == "hopf":
@@ -119,11 +120,7 @@ def defining(
     scale = family.scale(ranges)
     sizes = scale[:n]
     _, slopes = family.slopes(start)
-    mass = numpy.diag((numpy.arange(n) < family.smooth.order).astype(float))
-    pencil = (slopes[:, :n] - 1j * omega * mass) * sizes[None, :] / sizes[:, None]
-    rows = numpy.abs(pencil).max(axis=1, keepdims=True)
-    rows[rows == 0] = 1.0
-    v = numpy.linalg.svd(pencil / rows)[2][-1].conj()
+    v = null_vectors(slopes[:, :n] - 1j * omega * family.forms.mass, sizes)[0]
     largest = v[numpy.argmax(numpy.abs(v))]
     v = v * numpy.conj(largest) / abs(largest)
     if kind == "hopf":
